@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: MIT
 """What is said of a sequence beside its distortion: hanging elements, local thickness, build time, wire,
-yield stress; and materials from a file."""
+yield stress, and what the tools make of it; and materials from a file."""
 
 import json
 import os
+import subprocess
 
 import numpy as np
 
+import fake_places
 import run_fabseq
 from read_outputs import read_result
 from run_fabseq import BAD_INPUT, ROOT, FabseqTest, distinct
@@ -77,6 +79,35 @@ class BuildReportTest(FabseqTest):
         self.assertAlmostEqual(block["checks"]["local_thickness"]["share_outside"], outside)
         np.testing.assert_allclose(np.linalg.norm(fields["build_direction"][part], axis=1), 1)
         self.assertFalse(fields["hanging"][~part].any() or fields["build_direction"][~part].any())
+
+    def tool(self, *words):
+        command = [os.path.join(ROOT, "scripts", "fabseq-tools"), *words]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout
+
+    @run_fabseq.only_release
+    def test_tools_begin_with_the_verdict(self):
+        """Of a result with classes and places, which are made up from its own fields."""
+        run = self.run_config(2, {**CRANE, "tool": {"bead_width": 1.0}}, "-max_iterations", 2)
+        self.assert_done(run)
+        fake_places.add_places(run.output)
+        summary = run.json("summary.json")
+        (place,) = summary["baseline"]["places"]
+        self.assertEqual((place["kind"], place["elements"], place["layer"]), ("hanging", 12, 5))
+        self.assertEqual((place["lower"], place["upper"]), ([2.0, 0.0, 4.0], [8.0, 2.0, 5.0]))
+        printed = self.tool("layers", run.output, "--of", "planar", "--format", "stl").splitlines()
+        self.assertEqual(printed[:2], [summary["baseline"]["verdict"]["words"], f"  {place['words']}"])
+        self.assertTrue(self.tool("paths", run.output, "--no-picture").startswith(summary["binary"]["verdict"]["words"] + "\n"))
+        self.tool("report", run.output)
+        with open(run.path("report.html"), encoding="utf-8") as file:
+            page = file.read()
+        short = summary["binary"]["verdict"]["words"].partition(":")[0]
+        self.assertIn(f'<p class="verdict">{short.capitalize()}</p>', page)
+        for state, figure in (("baseline", "not buildable"), ("binary", short)):
+            self.assertIn(f'<b title="{summary[state]["finished"]["as_built"]["skin"]["rms"]!r}">', page)
+            self.assertIn(f">{figure}</p>", page)
+        self.assertIn('<section id="pair">', page)
 
     def test_simulation_prints_a_table(self):
         run = self.run_config(1, CRANE, "-task", "simulate")

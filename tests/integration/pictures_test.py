@@ -11,7 +11,7 @@ import numpy as np
 
 import fake_results
 import run_fabseq
-from pictures import drawn
+from pictures import filled
 from run_fabseq import FabseqTest, ROOT
 from small_parts import hook_3d, plate_2d
 
@@ -52,7 +52,8 @@ class PicturesTest(FabseqTest):
             done = subprocess.run([os.path.join(ROOT, "scripts", "fabseq-tools"), "overview", run.output, "--table"],
                                   capture_output=True, text=True, check=False)
             self.assertEqual(done.returncode, 0, done.stderr)
-            self.assertGreater(min(drawn(run.path("overview.png"), 2, 4, (0.2, 0.95, 0.05, 0.95))), 0.002)
+            self.assertGreater(min(filled(run.path("overview.png"), 0.25, 0.55, 2)), 0.1)
+            self.assertGreater(min(filled(run.path("overview.png"), 0.75, 0.9, 4)), 0.01)
             rows = {line[:22].strip(): line[22:].split() for line in done.stdout.splitlines()}
             values = [run.json("summary.json")[block]["responses"][0]["value"]
                       for block in ("baseline", "start", "optimized", "binary")]

@@ -6,7 +6,7 @@ import re
 import subprocess
 
 import run_fabseq
-from pictures import drawn
+from pictures import filled
 from run_fabseq import DONE, FabseqTest, ROOT, only_release
 
 with open(os.path.join(ROOT, "README.md"), encoding="utf-8") as readme:
@@ -71,8 +71,9 @@ class ReadmeTest(FabseqTest):
         for layer in summary["optimized"]["layers"]:
             constraint = run.json("config.json")["constraints"][0]
             self.assertLessEqual(abs(layer["thickness"] / constraint["target"] - 1), constraint["tolerance"])
-        # Below the title, the four pictures of the part fill the middle, and charts the rest.
-        self.assertGreater(min(drawn(self.path(output + "/overview.png"), 2, 4, (0.2, 0.95, 0.05, 0.95))), 0.002)
+        # Below the title, two large pictures of the part fill the middle, small ones and charts the rest.
+        self.assertGreater(min(filled(self.path(output + "/overview.png"), 0.25, 0.55, 2)), 0.1)
+        self.assertGreater(min(filled(self.path(output + "/overview.png"), 0.75, 0.9, 4)), 0.01)
 
     @only_release
     def test_the_demo(self):

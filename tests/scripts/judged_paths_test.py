@@ -20,6 +20,7 @@ from fake_results import element_centres, node_coordinates
 from layered_results import write_layers
 
 PROJECT = Path(__file__).resolve().parents[2]
+VERDICT = "buildable but for 3 places"
 COUNTS, SIZE = (24, 10, 12), (2.4, 1.0, 1.2)  # elements of 0.1
 
 
@@ -36,7 +37,8 @@ class JudgedPathsTest(unittest.TestCase):
         layer = np.where(built, np.clip(np.ceil(element_time * count - 1e-9), 1, count), 0.0)
         length = np.linalg.norm(slope, axis=-1)
         thickness = np.where(built, 1.0 / (count * length), 0.0)
-        summary = {"verdict": {"buildable": False, "words": "no: too steep", "reasons": []},
+        summary = {"verdict": {"buildable": False, "class": "buildable_but_for_places", "words": VERDICT, "reasons": []},
+                   "places": [{"words": "a roof of 3 x 3 mm near [1, 2, 3]"}], "places_in_all": 3,
                    "checks": {"local_thickness": {"least": thickness[built].min(), "largest": thickness[built].max()}}}
         write_layers(self.run_directory, SIZE, built, count, 1.0 - time(*node_coordinates(COUNTS, SIZE)), layer=layer,
                      local_thickness=thickness, build_direction=slope / length[..., None], summary=summary, **more)
@@ -90,11 +92,12 @@ class JudgedPathsTest(unittest.TestCase):
         for command in (["paths", "--bead-width", "0.3", "--no-picture"], ["layers", "--format", "stl"]):
             done = subprocess.run(["/usr/bin/python3", PROJECT / "scripts/fabseq-tools", command[0], self.run_directory,
                                    *command[1:]], capture_output=True, text=True, check=True)
-            self.assertEqual(done.stdout.splitlines()[0], "buildable: no: too steep")
+            self.assertEqual(done.stdout.splitlines()[:3],
+                             [VERDICT, "  a roof of 3 x 3 mm near [1, 2, 3]", "  and 2 more places"])
             self.assertIn("slivers that no element of their layer stands for are part of a neighbour", done.stdout)
             self.assertIn("by layer, with their volume: 9 (0.08)", done.stdout)
         record = json.loads((Path(self.run_directory) / "paths/paths_summary.json").read_text())
-        self.assertEqual((record["verdict"]["words"], record["ways"]["count"]), ("no: too steep", record["starts"] - 1))
+        self.assertEqual((record["verdict"]["words"], record["ways"]["count"]), (VERDICT, record["starts"] - 1))
 
     def posts(self):
         """Two posts, the left one built before the right one."""

@@ -16,13 +16,11 @@ import numpy as np
 
 from fabseq_tools.geometry.node_sets import measured_nodes
 from fabseq_tools.plot import overview, render_part
-from fabseq_tools.plot.overview_pictures import FAILING
-from fabseq_tools.run.check_words import failing_elements
 from fabseq_tools.run.command_line import RunError
 from fabseq_tools.run.read_run import Run
 
 import fake_results
-from pictures import coloured, drawn
+from pictures import coloured, drawn, filled
 
 PROJECT = Path(__file__).resolve().parents[2]
 
@@ -54,9 +52,9 @@ class Pictures(unittest.TestCase):
         cls.folder.cleanup()
 
     def assert_overview(self, picture):
-        """Four pictures of the part side by side in the upper half, charts in the lower."""
-        self.assertGreater(min(drawn(picture, 2, 4, (0.2, 0.95, 0.05, 0.95))), 0.002)
-        self.assertGreater(min(coloured(picture, 0.2, 0.5, 4)), 0.08)
+        """Two pictures of layers in the upper half, small ones of distorted shapes and charts below."""
+        self.assertGreater(min(coloured(picture, 0.15, 0.5, 2)), 0.08)
+        self.assertGreater(min(filled(picture, 0.75, 0.9, 4)), 0.01)
 
     def test_overview_draws_solid_and_flat_parts(self):
         for directory in (self.solid, self.flat):
@@ -77,63 +75,45 @@ class Pictures(unittest.TestCase):
                     fake_results.change(folder, "summary.json", lambda summary: summary.pop("released"))
                 done = run("overview", folder)
                 self.assertEqual(done.returncode, 0, done.stderr)
-                self.assertGreater(min(coloured(Path(folder) / "overview.png", 0.2, 0.5, 3 if release else 2)), 0.08)
+                self.assertGreater(coloured(Path(folder) / "overview.png", 0.2, 0.5)[0], 0.08)
+                self.assertGreater(min(filled(Path(folder) / "overview.png", 0.75, 0.9, 4 if release else 3)), 0.01)
                 words = " ".join(overview.simulation_sentences(Run(folder, simulations=True)))
                 self.assertIn("after the release: 0.01 mm root mean" if release else "There is no shape", words)
                 self.assertIn("No element begins in the air. The residual stress is above the yield stress 250 in", words)
 
-    def test_what_cannot_be_built_is_red(self):
-        with tempfile.TemporaryDirectory() as folder:
-            fake_results.write_run(folder, "plate", np.ones((8, 12)), (3.0, 2.0))
-            fake_results.add_checks(folder)
-            fake_results.add_torch(folder)
-            data, red = Run(folder), {}
-            self.assertEqual(failing_elements(data, "planar/").sum(), 6)
-            self.assertEqual(failing_elements(data, "").sum(), np.sum((data.fields["tilt"] > 30) | (data.fields["blocked"] > 0)))
-            for name, limit in (("marked", 30.0), ("unmarked", 180.0)):
-                fake_results.change(folder, "config.json", lambda config, limit=limit: config["tool"].update(max_tilt=limit))
-                if limit == 180.0:
-                    with h5py.File(os.path.join(folder, "result.h5"), "r+") as file:
-                        for group in ("", "planar/"):
-                            file[group + "hanging"][:] = file[group + "blocked"][:] = 0.0
-                pixels = plt.imread(overview_of(folder, name))[:, :, :3]
-                pixels = pixels[:, :pixels.shape[1] // 2]  # displacement has red, too
-                red[name] = np.sum(np.abs(pixels - np.array(FAILING) / 255).max(axis=2) < 0.02)
-            self.assertGreater(red["marked"], 1000)
-            self.assertEqual(red["unmarked"], 0)
-
     def drawn_with(self, folder):
-        """Headline, sentences, largest displacements and labels of the pictures."""
-        with mock.patch.object(overview, "draw_sheet") as sheet, mock.patch.object(overview, "Pictures") as pictures:
-            pictures.return_value.largest_each = [0.1, 0.2]
+        """What is on the sheet, and the displacements of its shapes."""
+        with mock.patch.object(overview, "draw_sheet") as sheet, mock.patch.object(overview, "Shapes") as shapes, \
+                mock.patch.object(overview, "Layers"):
+            shapes.return_value.largest_each = [0.1, 0.2]
             overview.draw_optimization(Run(folder), "none.png")
-        _, title, sentences, _, labels, *_ = sheet.call_args.args
-        return title, sentences, pictures.call_args.args[2], [words for words, _ in labels]
+        return sheet.call_args.args[1], shapes.call_args.args[1]
 
     def test_the_shape_of_the_headline(self):
         """Released where the distortion is, if the file has that shape."""
         with tempfile.TemporaryDirectory() as folder:
             fake_results.write_run(folder, "plate", np.ones((8, 12)), (3.0, 2.0))
             fake_results.change(folder, "config.json", lambda config: config["objective"][0].update(after_release=True))
-            _, _, built, labels = self.drawn_with(folder)
-            self.assertEqual(labels[2:], ["planar, moved by up to 0.1", "optimized, moved by up to 0.2"])
+            content, built = self.drawn_with(folder)
+            self.assertEqual([words for words, _ in content.labels],
+                             ["planar layers: moved by up to 0.1", "optimized layers: moved by up to 0.2"])
             fake_results.add_checks(folder)  # its release takes half of the displacement away
-            _, _, released, labels = self.drawn_with(folder)
-            self.assertEqual(labels[2:],
-                             ["planar, released, moved by up to 0.1 mm", "optimized, released, moved by up to 0.2 mm"])
+            content, released = self.drawn_with(folder)
+            self.assertEqual([words for words, _ in content.labels], ["planar layers, released: moved by up to 0.1 mm",
+                                                                      "optimized layers, released: moved by up to 0.2 mm"])
             for whole, half in zip(built, released):
                 np.testing.assert_allclose(half, 0.5 * whole)
 
     def test_nothing_to_gain(self):
         with tempfile.TemporaryDirectory() as folder:
             fake_results.write_run(folder, "plate", np.ones((8, 12)), (3.0, 2.0))
-            self.assertNotIn("nothing to gain", " ".join(self.drawn_with(folder)[1]))
+            self.assertNotIn("nothing to gain", " ".join(self.drawn_with(folder)[0].small))
             for value, words in ((0.405, "distortion of the top edge about as large as with planar layers"),
                                  (0.82, "distortion of the top edge 1.4 times larger than with planar layers")):
                 fake_results.change(folder, "summary.json", lambda s, v=value: s["binary"]["responses"][0].update(value=v))
-                title, sentences, *_ = self.drawn_with(folder)
-                self.assertIn(words, title)
-                self.assertIn("there is nothing to gain from the sequence here", " ".join(sentences))
+                content, _ = self.drawn_with(folder)
+                self.assertIn(words, content.title)
+                self.assertIn("there is nothing to gain from the sequence here", " ".join(content.small))
 
     def test_words_below_the_headline(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -24,6 +24,14 @@ def drawn(path, rows=1, columns=1, inner=(0.08, 0.92, 0.2, 0.95)):
     return shares
 
 
+def filled(path, top=0.0, bottom=1.0, columns=1):
+    """Shares of pixels that are not white in `columns` equal columns of the picture between two heights."""
+    pixels = image.imread(path)[..., :3]
+    band = pixels[int(top * len(pixels)):int(bottom * len(pixels))].min(axis=-1) < 0.95
+    edges = [round(k * band.shape[1] / columns) for k in range(columns + 1)]
+    return [float(band[:, left:right].mean()) for left, right in zip(edges, edges[1:])]
+
+
 def coloured(path, top=0.0, bottom=1.0, columns=1):
     """Shares of clearly coloured pixels in `columns` equal columns of the picture between two heights."""
     pixels = image.imread(path)[..., :3]

@@ -199,7 +199,7 @@ class Contents(Report):
                  "angle": [0.0, 31.0], "feed": [0.9, 1.1], "wire": 19.9, "volume": 20.0, "missed": 0.03}
         other = {**layer, "layer": 2, "starts": 3, "height": [0.25, 1.0], "angle": [2.0, 47.0]}
         record = {"of": "optimized", "unit": "mm", "bead_width": 2.0, "starts": 5, "waypoints": 18, "length": 63.0, "travel": 8.5,
-                  "wire": 39.8, "volume": 40.0, "layers": [layer, other], "verdict": {"words": "no: <two> elements"},
+                  "wire": 39.8, "volume": 40.0, "layers": [layer, other], "verdict": {"words": "buildable but for <two> places"},
                   "ways": {"count": 4, "crossing": [{}]}}
         self.assertNotIn("Torch paths", self.page.text)
         with tempfile.TemporaryDirectory() as folder:
@@ -209,7 +209,7 @@ class Contents(Report):
             self.assertEqual(report(folder).returncode, 0)
             page = Page(Path(folder) / "report.html")
         rows = [[text for text, _ in row] for row in page.tables["paths"]]
-        self.assertIn("Buildable: no: <two> elements. 1 of 4 straight rapid ways between passes cross what stands.",
+        self.assertIn("Buildable but for <two> places. 1 of 4 straight rapid ways between passes cross what stands.",
                       page.text)
         self.assertEqual(rows[0][:4], ["", "starts", "length, mm", "travel, mm"])
         self.assertEqual(rows[1][:4], ["all layers", "5", "63.0", "8.50"])

@@ -79,7 +79,7 @@ class Tradeoff(StudyTest):
             self.assertEqual(row["objective"], run.length("binary"))
             self.assertAlmostEqual(row["skin"] / row["objective"], 1, delta=1e-6)  # the same measure of the same nodes
             self.assertEqual(row["outside"], run.summary["binary"]["checks"]["local_thickness"]["share_outside"])
-            self.assertEqual(row["satisfied"], run.summary["binary"]["verdict"]["buildable"])
+            self.assertEqual(row["class"], run.summary["binary"]["verdict"].get("class"))
             self.assertEqual(row["violated"], [reason["words"] for reason in run.summary["binary"]["verdict"]["reasons"]])
         before, after = (Run(self.path(row["folder"])) for row in rows[:2])
         words = after.config["run"]["command_line"]
@@ -179,7 +179,7 @@ class CompareFamilies(StudyTest):
         optimized = "optimized" in run.summary
         judged = Run(self.path(f"{row['folder']}_judged"), simulations=True) if optimized else run
         summary = judged.summary
-        self.assertEqual(row["satisfied"], summary["verdict"]["buildable"])
+        self.assertEqual(row["class"], summary["verdict"].get("class"))
         self.assertEqual(row["violated"], [reason["words"] for reason in summary["verdict"]["reasons"]])
         self.assertEqual(row["skin_released"], summary["finished"]["released"]["skin"]["rms"])
         self.assertEqual(row["seconds"], run.summary["seconds"]["total"])

@@ -1,50 +1,63 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""What report and overview say of the program's verdicts: headline, who can be built, what is missed, and
-where thicknesses are out of range."""
+"""What tools say of the program's verdicts: who can be built, at which places not, what is gained, missed."""
 
 import os
 import tempfile
 import unittest
-from unittest import mock
 
 import h5py
 import numpy as np
 
-from fabseq_tools.plot import overview, render_part
-from fabseq_tools.plot.overview_pictures import CHEQUERED, Pictures
+from fabseq_tools.geometry.judged import Judged
 from fabseq_tools.report.report import ReportRun, page_of
-from fabseq_tools.report.views import views_of
 from fabseq_tools.report.words import violation
-from fabseq_tools.run.check_words import out_of_thickness
+from fabseq_tools.run import verdict_words as verdicts
+from fabseq_tools.run.answer_figures import figures_of
 from fabseq_tools.run.misses import worst_misses
 from fabseq_tools.run.read_run import Run
 
+import fake_places
 import fake_results
 
-WORDS = ["the skin distorts 2.1 times less than in the best buildable baseline (even layers)",
+WORDS = ["the skin distorts 2.1 times less than in even layers",
          "skin, rms after the best rigid fit, as built: optimized 0.1 mm, even layers 0.21 mm"]
-NO = "no: 25 % of the part is out of thickness (worst 3.1 times the target near [1,1])"
+MANY = "buildable but for 2 places"
+AIR = "25 % of the part begins in the air (first near [1,1])"
+EVEN = {"block": "baseline_even", "title": "even layers", "class": "buildable", "rms": 0.2, "largest": 2.0}
+PLACE = {"kind": "hanging", "words": "a roof of 12 x 3 mm near [1,2] begins in the air in layer 7: close it and drill"}
+
+
+def finished(rms, largest):
+    return {"as_built": {"skin": {"rms": rms, "max": largest}}, "released": None}
 
 
 def add_verdicts(folder):
-    """Made-up conclusions of the program; elements of the first half of the part are too thick."""
+    """Made-up conclusions of the program: planar layers are not buildable, even ones are, optimized ones are
+    but for two places."""
     fake_results.write_run(folder, "plate", np.ones((8, 12)), (3.0, 2.0))
     fake_results.add_checks(folder)
 
     def conclude(summary):
-        summary["baseline_even"] = summary["baseline"]
-        for block in ("baseline", "baseline_even", "optimized", "binary"):
-            summary[block] = {**summary[block], "verdict": {"buildable": block == "baseline_even",
-                                                            "words": "yes" if block == "baseline_even" else NO, "reasons": []}}
+        summary["baseline_even"] = dict(summary["baseline"])
+        told = {"baseline": ("not_buildable", f"not buildable: {AIR}"), "baseline_even": ("buildable", "buildable"),
+                "binary": ("buildable_but_for_places", MANY)}
+        for number, (block, (kind, words)) in enumerate(told.items()):
+            reasons = [{"name": "hanging", "words": AIR}] if kind == "not_buildable" else []
+            verdict = {"buildable": kind == "buildable", "class": kind, "words": words, "reasons": reasons}
+            summary[block].update(verdict=verdict, places=[], places_in_all=0,
+                                  finished=finished([0.3, 0.2, 0.1][number], 3.0 - number))
+        summary["binary"].update(places=[PLACE], places_in_all=2)
+        summary["answer"] = {
+            "class": "buildable_but_for_places", "gain": 2.0, "rms": 0.1, "largest": 1.0, "unit": "mm", "released": False,
+            "places": [PLACE], "repaired": 0,
+            "best_alternative": EVEN}
         thickness = summary["binary"]["checks"]["local_thickness"]
         thickness.update(largest=9.0, largest_at=[1.5, 0.5], largest_is_meeting=True)
         summary.update(headline={"words": WORDS}, feasible=False,
                        violated={"words": "tilt is 27 % of the part, smoothly counted, allowed at most 0.1 %"})
 
     fake_results.change(folder, "summary.json", conclude)
-    with h5py.File(os.path.join(folder, "result.h5"), "r+") as file:
-        file["local_thickness"][:4] = 9.0
 
 
 class VerdictWords(unittest.TestCase):
@@ -54,16 +67,84 @@ class VerdictWords(unittest.TestCase):
         self.folder = folder.name
         add_verdicts(self.folder)
 
-    def test_report(self):
+    def edited(self, **answer):
+        fake_results.change(self.folder, "summary.json", lambda summary: summary["answer"].update(answer))
+        return Run(self.folder)
+
+    def test_in_short(self):
+        run = Run(self.folder)
+        self.assertEqual([verdicts.buildable(run, state) for state in ("baseline", "baseline_even", "binary", "optimized")],
+                         ["not buildable", "buildable", MANY, None])
+        self.assertEqual(verdicts.answer_words(run), MANY.capitalize())
+        self.assertEqual(sorted(["x", "not_buildable", None, "buildable", "buildable_but_for_places"], key=verdicts.rank)[:3],
+                         list(verdicts.CLASSES))
+
+    def test_lines_begin_with_the_verdict(self):
+        run = Run(self.folder)
+        for of, lines in (("optimized", [MANY, f"  {PLACE['words']}", "  and 1 more place"]),
+                          ("planar", [f"not buildable: {AIR}"]), ("start", ["not judged by this run"])):
+            with h5py.File(os.path.join(self.folder, "result.h5")) as file:
+                group = {"planar": "planar/"}.get(of, "")
+                self.assertEqual(Judged(run, file, group, of).words().splitlines(), lines)
+
+    def test_gain(self):
+        for answer, words in (
+                ({}, "The skin distorts 2.0 times less than in the best alternative, even layers (buildable)."),
+                ({"gain": 0.5}, "The skin distorts 2.0 times more than in the best alternative, even layers (buildable)."),
+                ({"gain": 1.01, "class": "buildable"},
+                 "The skin distorts about as much as in the best alternative, even layers."),
+                ({"gain": None}, "No alternative of this class."),
+                ({"gain": None, "best_alternative": None}, "No alternative of this class.")):
+            self.assertEqual(verdicts.gain_words(self.edited(**answer)), words)
+        run = Run(self.folder)
+        run.summary.pop("answer")
+        self.assertEqual(verdicts.gain_words(run), "")
+
+    def test_figures(self):
+        planar, best, ours = figures_of(Run(self.folder))
+        self.assertEqual([(one.rms, one.largest, one.verdict) for one in (planar, best, ours)],
+                         [(0.3, 3.0, "not buildable"), (0.2, 2.0, "buildable"), (0.1, 1.0, MANY)])
+        self.assertEqual(best.title, "Best alternative: even layers")
+        self.assertIn(("build time", "1.5 h"), planar.more)
+        self.assertTrue(ours.is_ours)
+        planar = {"block": "baseline", "title": "planar layers", "class": "not_buildable", "rms": 0.3, "largest": 3.0}
+        self.assertEqual([one.title for one in figures_of(self.edited(best_alternative=planar))],
+                         ["Planar layers, as today, and the best alternative", "Optimized layers"])
+        _, none, _ = figures_of(self.edited(best_alternative=None))
+        self.assertEqual((none.title, none.rms, none.more), ("No alternative of this class", None,
+                                                             [("even layers:", "buildable, 0.2 mm")]))
+
+    def test_released_figures(self):
+        def release(summary):
+            summary["answer"]["released"] = True
+            summary["baseline"]["finished"]["released"] = {"skin": {"rms": 7.0, "max": 8.0}}
+
+        fake_results.change(self.folder, "summary.json", release)
+        self.assertEqual(figures_of(Run(self.folder))[0].rms, 7.0)
+
+    def test_results_without_classes_say_nothing(self):
+        def older(summary):
+            summary.pop("answer")
+            for block in ("baseline", "baseline_even", "binary"):
+                summary[block]["verdict"] = {"buildable": False, "words": "no: tilted", "reasons": []}
+
+        fake_results.change(self.folder, "summary.json", older)
+        run = Run(self.folder)
+        self.assertEqual((verdicts.buildable(run, "binary"), verdicts.answer_words(run), verdicts.answer_class(run)),
+                         (None, "", None))
+        page = page_of([ReportRun(self.folder)])
+        self.assertNotIn('<section id="answer"', page)
+        self.assertNotIn('<th scope="row">verdict</th>', page)
+
+    def test_sentences_of_the_report(self):
         page = page_of([ReportRun(self.folder)])
         self.assertIn(f'<p class="headline">{WORDS[0].capitalize()}.</p>', page)
-        for words in (f"{WORDS[1].capitalize()}.", f"Buildable on this machine, planar: {NO}.",
-                      "Buildable on this machine, even layers: yes.",
+        for words in (f"{WORDS[1].capitalize()}.", f"Planar: not buildable: {AIR}.", "Even layers: buildable.",
                       "Constraint tilt is 27 % of the part, smoothly counted, allowed at most 0.1 %.",
                       "The largest local thickness is 9 mm near [1.5, 0.5]: fronts meet there"):
             self.assertIn(words, page)
         self.assertNotIn("flatters", page)
-        self.assertIn('<th scope="row">buildable on this machine</th>', page)
+        self.assertIn('<th scope="row">verdict</th>', page)
 
     def test_a_thick_layer_is_none_of_fronts(self):
         def edit(summary):
@@ -72,34 +153,9 @@ class VerdictWords(unittest.TestCase):
         fake_results.change(self.folder, "summary.json", edit)
         self.assertIn("near [1.5, 0.5]: a thick layer.", page_of([ReportRun(self.folder)]))
 
-    def test_overview(self):
-        with mock.patch.object(overview, "draw_sheet") as sheet, mock.patch.object(overview, "Pictures") as pictures:
-            pictures.return_value.largest_each = [0.1, 0.2]
-            overview.draw_optimization(Run(self.folder), "none.png")
-        _, title, sentences, *_ = sheet.call_args.args
-        self.assertEqual(title, f"Plate: {WORDS[0]}")
-        told = " ".join(sentences)
-        for words in (f"{WORDS[1].capitalize()}.", f"Buildable on this machine, optimized: {NO}.", "Constraint tilt is 27 %"):
-            self.assertIn(words, told)
-        self.assertEqual([elements.sum() for elements in pictures.call_args.args[4]], [0, 48])
-
-    def test_chequers_and_marks(self):
-        run = Run(self.folder)
-        fake_results.change(self.folder, "config.json", lambda config: config.update(tool={"thickness": [0.01, 500.0]}))
-        within, outside = Run(self.folder), out_of_thickness(run, "")
-        self.assertTrue(outside.any())
-        self.assertFalse(out_of_thickness(within, "").any())
-        nothing = np.zeros(outside.shape, bool)
-        image = np.pad(np.zeros((4, 4, 3), np.uint8), ((9, 9), (9, 9), (0, 0)), constant_values=255)
-        for marked, found in ((outside, True), (nothing, False)):
-            with mock.patch.object(render_part, "render", return_value=image) as render:
-                drawn = Pictures(run, [run.fields["layer"]], [run.fields["displacement"]], [nothing], [marked])
-            colours = render.call_args_list[0].kwargs["face_colours"]
-            self.assertEqual(drawn.chequers, found)
-            self.assertEqual((colours == CHEQUERED).all(axis=1).any(), found)
-        view = next(view for view in views_of(run, {"binary": "optimized"}))
-        np.testing.assert_array_equal(view["fields"]["out_of_range"] > 0, outside)
-        self.assertIn("% of the part's elements", view["notes"]["out_of_range"])
+    def test_faults_are_named_as_in_the_files(self):
+        """Numbers in the field, names in summary.json."""
+        self.assertEqual(fake_places.KINDS, ["hanging", "local_thickness", "tilt", "blocked"])
 
     def test_misses_of_counts_are_shares(self):
         run = Run(self.folder)

@@ -36,6 +36,11 @@ def node_positions(size, elements):
     return np.stack([grid.ravel() for grid in np.meshgrid(*axes[::-1], indexing="ij")[::-1]], axis=1)
 
 
+def in_space(vectors):
+    """Vectors with a third component, 0 in 2D."""
+    return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
+
+
 def nodes_of(built):
     """Which nodes belong to an element of the part, flat, x fastest."""
     touched = np.zeros([n + 1 for n in built.shape], dtype=bool)

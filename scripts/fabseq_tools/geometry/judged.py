@@ -6,6 +6,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from fabseq_tools.geometry.grid import element_centres, element_edges, origin_of
+from fabseq_tools.run.verdict_words import verdict_lines, verdict_of
 
 BLOCKS = {"optimized": ("binary", "simulated"), "planar": ("baseline",), "start": ("start",)}  # of summary.json
 
@@ -14,11 +15,11 @@ class Judged:
     """`layer` [z][y][x]: that of each element, 0 outside the part; None in results that do not tell.
     `thickness` [z][y][x]: local thickness as the check has it, NaN where it is not defined or not finite, and
     `slope` [z][y][x][axis]: the build direction over it; None without any. `substrate`: where there is one,
-    or None. `verdict`: its object in summary.json, empty without one."""
+    or None. `block`: of summary.json; `verdict`: its object in there, empty without one."""
 
     def __init__(self, run, file, group, of):
-        block = next((run.summary[name] for name in BLOCKS[of] if name in run.summary), {})
-        self.verdict = block.get("verdict") or {}
+        self.block = next((run.summary[name] for name in BLOCKS[of] if name in run.summary), {})
+        self.verdict = verdict_of(self.block)
         self.layer = file[group + "layer"][()].astype(int) if group + "layer" in file else None
         self.substrate = file["substrate"][()] > 0 if "substrate" in file else None
         self.config, self.edges, self.origin = run.config, np.array(element_edges(run.config)), origin_of(run.config)
@@ -29,10 +30,8 @@ class Judged:
             self.slope = np.nan_to_num(file[group + "build_direction"][()] / self.thickness[..., None])
 
     def words(self):
-        """The verdict in a sentence."""
-        if not self.verdict:
-            return "buildable: not judged by this run"
-        return f"buildable: {self.verdict['words']}"
+        """The verdict, and a line for each of the largest places that cannot be built."""
+        return "\n".join(verdict_lines(self.block))
 
     def holds(self, number):
         """Whether any element belongs to the layer; yes where nobody knows."""

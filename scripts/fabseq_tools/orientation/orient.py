@@ -17,8 +17,9 @@ planar or comes from a file leaves the planar layers only.
 
 The deviations are those of the surface after a best rigid fit, as built and after the release from the plate,
 which is left out for a part that falls into pieces then. Best is the least rms after the release of the start
-design. `overhang` is the area of elements that have neither an element nor the plate below them. What the
-program refuses is listed with the reason.
+design. `verdict` says whether these layers can be built with the config's tool. `overhang` is the area of
+elements that have neither an element nor the plate below them. What the program refuses is listed with the
+reason.
 
 Into DIR go orientation.csv, .json and .png, and a folder for each orientation with what was simulated
 (simulated.json, start, planar) and config.json to go on with: the user's own config, in which only the
@@ -44,6 +45,7 @@ from fabseq_tools.plot.virtual_display import ensure_display
 from fabseq_tools.run.command_line import RunError, count, parse, parser_of, run_program, write_json
 from fabseq_tools.run.places import PROGRAM
 from fabseq_tools.run.read_run import read_config, read_fields, read_json, target_thickness
+from fabseq_tools.run.verdict_words import in_short, verdict_of
 
 COMMAND = "orient"
 
@@ -255,7 +257,7 @@ def layers_of(config, count):
 
 
 def block_of(directory):
-    """Layers and deviations of a simulation."""
+    """Layers, verdict and deviations of a simulation."""
     config, summary = read_json(directory, "config.json"), read_json(directory, "summary.json")
     path = os.path.join(directory, "result.h5")
     fields = read_fields(path)
@@ -264,8 +266,8 @@ def block_of(directory):
     shifts = {"as_built": fields["displacement"]}
     if "release_displacement" in fields:
         shifts["released"] = fields["displacement"] + fields["release_displacement"]
-    used = sum(layer["volume"] > 0 for layer in summary["layers"])
-    return {"layers": used} | {state: deviation(positions, shift.reshape(-1, 3)[skin]) for state, shift in shifts.items()}
+    found = {"layers": sum(layer["volume"] > 0 for layer in summary["layers"]), "verdict": in_short(verdict_of(summary))}
+    return found | {state: deviation(positions, shift.reshape(-1, 3)[skin]) for state, shift in shifts.items()}
 
 
 def deviation(positions, displacements):

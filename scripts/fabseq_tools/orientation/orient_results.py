@@ -52,7 +52,7 @@ def row_of(record):
         return row
     row |= {key: record[key] for key in ("height", "geodesic_height", "contact_elements", "contact_area", "overhang")}
     for sequence in SEQUENCES:
-        row[f"{sequence}_layers"] = record.get(sequence, {}).get("layers")
+        row |= {f"{sequence}_{key}": record.get(sequence, {}).get(key) for key in ("layers", "verdict")}
         row |= {f"{sequence}_{state}_{figure}": figure_of(record, sequence, state, figure)
                 for state in STATES for figure in FIGURES}
     return row
@@ -61,7 +61,7 @@ def row_of(record):
 def print_table(records, unit):
     head = ["orientation", "down", "height", "contact", "overhang"]
     for sequence in SEQUENCES:
-        head += [f"{sequence} layers", "rms", "released", "largest", "released"]
+        head += [f"{sequence} layers", "rms", "released", "largest", "released", "verdict"]
     lines = [head]
     for record in records:
         line = [record["orientation"], record["face_down"] or "-"]
@@ -73,6 +73,7 @@ def print_table(records, unit):
             line.append(str(record.get(sequence, {}).get("layers", "-")))
             figures = [figure_of(record, sequence, state, figure) for figure in FIGURES for state in STATES]
             line += ["-" if value is None else number(value) for value in figures]
+            line.append(record.get(sequence, {}).get("verdict") or "-")
         lines.append(line)
     whole = [line for line in lines if len(line) == len(head)]
     widths = [max(len(line[column]) for line in whole) for column in range(len(head))]

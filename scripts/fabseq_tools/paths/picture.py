@@ -10,6 +10,7 @@ from vtkmodules.vtkRenderingCore import vtkRenderer
 from fabseq_tools.geometry.grid import origin_of
 from fabseq_tools.geometry.vtk_data import cell_array, filtered, poly_data
 from fabseq_tools.plot import render_part
+from fabseq_tools.plot.camera import View, aim_camera
 
 LAYERS = 5  # in the picture
 TUBE = 0.22  # radius, in beads
@@ -37,7 +38,7 @@ def draw(part, passes, width, placement, path):
     render_part.add_light(renderer)
     renderer.SetUseDepthPeeling(True)
     renderer.SetMaximumNumberOfPeels(8)
-    render_part.aim_camera(renderer, frame, frame.nodes, PIXELS)
+    aim_camera(renderer, View(frame, frame.nodes, PIXELS))
     matplotlib_image.imsave(path, render_part.picture_of(renderer, PIXELS))
 
 

@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: MIT
-"""Draws a finished run as one picture: layers, distorted shapes and curves.
+"""Draws a finished run as one picture: whether it can be built, where it cannot, and what it gains.
 
     fabseq-tools overview OUTPUT_DIR [PICTURE.png] [--table]
 
 OUTPUT_DIR is the output directory of a run with `-task optimize` or `simulate`; the picture goes to
-OUTPUT_DIR/overview.png unless said otherwise. `--table` also prints the main figures. Of an optimization
-the picture shows layers and distortion beside those of planar layers, and how it got there; of a simulation
-its layers, and the distorted shape as built and released. Without a display it is drawn in memory.
+OUTPUT_DIR/overview.png unless said otherwise. `--table` also prints the main figures. The colour of the title
+is the verdict: green can be built, amber but for the places that are numbered, red cannot. Of an optimization
+the picture shows planar layers, the best alternative and the optimized layers in figures, the latter two as
+layers, with what cannot be built in colour; smaller the distorted shapes and how the run got there. Of a
+simulation it shows its layers, and the distorted shape as built and released. Without a display it is drawn
+in memory.
 """
 
 import os
@@ -14,16 +17,19 @@ from functools import partial
 
 from fabseq_tools.plot import overview_charts as charts
 from fabseq_tools.plot.drawing import INK, OPTIMIZED, PLANAR
-from fabseq_tools.plot.overview_pictures import Pictures
-from fabseq_tools.plot.overview_sheet import draw_sheet
+from fabseq_tools.plot.overview_pictures import Layers, Shapes
+from fabseq_tools.plot.overview_sheet import Content, draw_sheet
 from fabseq_tools.plot.virtual_display import ensure_display
-from fabseq_tools.run.check_words import check_sentences, failing_elements, out_of_thickness, result_of
+from fabseq_tools.run import verdict_words as verdicts
+from fabseq_tools.run.answer_figures import figures_of, skin_words
+from fabseq_tools.run.check_words import check_sentences, result_of
 from fabseq_tools.run.command_line import parser_of
 from fabseq_tools.run.read_run import Run
-from fabseq_tools.run.verdict_words import headline_sentences, missed_words, thickest_sentence, verdict_sentences
 from fabseq_tools.run.words import alike, duration, factor, quantity
 
 COMMAND = "overview"
+
+MOST_LINES = 6  # of places
 
 
 def main(words):
@@ -41,34 +47,52 @@ def main(words):
 
 
 def draw_optimization(run, path):
-    pictures = pictures_of(run)
-    kinds, colours = ("planar", "optimized"), (PLANAR, OPTIMIZED)
-    words = [f"{kind}, {len(run.layers(block))} layers" for kind, block in zip(kinds, ("baseline", "optimized"))]
-    kinds = [kind + ", released" * is_released(run) for kind in kinds]
-    words += [f"{kind}, moved by up to {quantity(length, run.unit)}" for kind, length in zip(kinds, pictures.largest_each)]
-    constrained = run.config.get("constraints") and any(line["worst_constraint"] is not None for line in run.history)
-    plots = [charts.plot_distortion] + [charts.plot_violation] * bool(constrained)
+    other = alternative_of(run)
+    states, names = (other, "binary"), (verdicts.TITLES[other], "optimized layers")
+    moved = [shape_of(run, group) for group in (verdicts.GROUPS[other], optimized_group(run))]
+    shapes = Shapes(run, moved)
+    layers = Layers(run, [verdicts.GROUPS[state] for state in states], [verdicts.places(run.summary[state]) for state in states])
+    labels = [f"{name}{', released' * is_released(run)}: moved by up to {quantity(length, run.unit)}"
+              for name, length in zip(names, shapes.largest_each)]
+    plots = [charts.plot_distortion]
     plots += [charts.plot_layers] * any(layer["thickness"] is not None for layer in run.layers("optimized"))
-    draw_sheet(path, title(run), sentences(run), pictures, [*zip(words, 2 * colours)],
-               [partial(plot, run=run) for plot in plots], run.unit)
+    draw_sheet(path, Content(title(run), verdicts.answer_class(run), verdicts.answer_sentences(run), figures_of(run),
+                             [caption(run, state) for state in states], numbered(run, "binary"),
+                             list(zip(labels, (PLANAR, OPTIMIZED))), [partial(plot, run=run) for plot in plots], run.unit,
+                             skin_words(run), sentences(run)), layers, shapes)
+
+
+def alternative_of(run):
+    """The alternative, if result.h5 has its layers and displacements, or else planar layers."""
+    found = verdicts.alternative(run)
+    group = verdicts.GROUPS.get(found)
+    return found if group is not None and {group + "layer", group + "displacement"} <= set(run.fields) else "baseline"
+
+
+def caption(run, state):
+    """Title of a picture of layers, the verdict in short, and its class."""
+    names = {"binary": "Optimized layers", "simulated": "These layers"}
+    best = verdicts.answer(run).get("best_alternative") or {}
+    name = f"Best alternative: {best['title']}" if best.get("block") == state else verdicts.TITLES[state].capitalize()
+    found = verdicts.verdict(run, state)
+    return names.get(state, name), verdicts.in_short(found) or "", verdicts.class_of(found)
+
+
+def numbered(run, state):
+    """A line for each of the largest places, with the number that it has in the picture."""
+    block = run.summary[state]
+    found = verdicts.place_lines(block, MOST_LINES)
+    count = min(len(verdicts.places(block)), MOST_LINES)
+    return [f"{number}   {words}" if number <= count else words for number, words in enumerate(found, start=1)]
 
 
 def title(run):
-    """What the program concludes; of results of older programs, the distortion beside planar layers'."""
-    concluded = run.summary.get("headline", {}).get("words")
-    if concluded:
-        return f"{title_name(run)}: {concluded[0]}"
+    """The verdict; of results that do not say, the distortion beside planar layers'."""
+    if verdicts.answer_words(run):
+        return f"{title_name(run)}: {verdicts.buildable(run, result_of(run))}"
     nodes = run.distortion_config.get("nodes")
     place = f" of the {nodes.replace('_', ' ')}" if nodes else ""
-    return f"{title_name(run)}: distortion{place} {compared(run.length('baseline'), run.length('binary'))} with planar layers"
-
-
-def pictures_of(run):
-    """Planar beside optimized: two pictures of layers, two of the distorted shape with binary layers. That is
-    the released one where the headline is of it."""
-    fields, moved = run.fields, [shape_of(run, group) for group in ("planar/", optimized_group(run))]
-    return Pictures(run, [fields["planar/layer"], fields["layer"]], moved,
-                    *([find(run, group) for group in ("planar/", "")] for find in (failing_elements, out_of_thickness)))
+    return f"{title_name(run)}: distortion{place} {compared(run.length('baseline'), run.length('binary'))} planar layers"
 
 
 def optimized_group(run):
@@ -76,9 +100,10 @@ def optimized_group(run):
 
 
 def is_released(run):
-    """Whether the headline is of the released part, and the file has its shape."""
+    """Whether the distortion is of the released part, and the file has its shape."""
+    groups = verdicts.GROUPS[alternative_of(run)], optimized_group(run)
     return bool(run.distortion_config.get("after_release")) and all(
-        group + "release_displacement" in run.fields for group in ("planar/", optimized_group(run)))
+        group + "release_displacement" in run.fields for group in groups)
 
 
 def shape_of(run, group):
@@ -94,25 +119,21 @@ def title_name(run):
 def compared(planar, other):
     """How a distortion compares with another one, which is named next."""
     if alike(planar, other):
-        return "about as large as"
-    return f"{factor(planar / other)} times smaller than" if other <= planar else f"{factor(other / planar)} times larger than"
+        return "about as large as with"
+    return (f"{factor(planar / other)} times smaller than with" if other <= planar else
+            f"{factor(other / planar)} times larger than with")
 
 
 def sentences(run):
-    """What stands below the headline of an optimization."""
+    """What stands small at the end of an optimization's sheet."""
     length = {block: quantity(run.length(block), run.length_unit())
               for block in ("baseline", "start", "optimized", "binary") if block in run.summary}
     start = f", not optimized {length['start']}" if "start" in length else ""
-    unmet = "" if run.summary.get("feasible", True) else f"  {missed_words(run) or 'Not all constraints are satisfied.'}"
-    states = {"start": "start", "baseline": "planar", "baseline_tilted": "planar, tilted", "baseline_even": "even layers",
-              "binary": "optimized"}
-    return [*headline_sentences(run)[1:],
-            f"Distortion ({run.measure()}): planar {length['baseline']}{start}, optimized {length['binary']} "
+    unmet = "" if run.summary.get("feasible", True) else f"  {verdicts.missed_words(run) or 'Not all constraints are satisfied.'}"
+    return [f"Distortion ({run.measure()}): planar {length['baseline']}{start}, optimized {length['binary']} "
             f"(with smooth layers {length['optimized']}).",
-            f"{elements(run)}, {len(run.layers('optimized'))} layers, "
-            f"{run.summary['iterations']} iterations in {duration(run.summary['seconds']['total'])}.{unmet}",
-            *verdict_sentences(run, states), *filter(None, [thickest_sentence(run, result_of(run))]),
-            *check_sentences(run)]
+            f"{elements(run)}, {run.summary['iterations']} iterations in {duration(run.summary['seconds']['total'])}.{unmet}",
+            *filter(None, [verdicts.thickest_sentence(run, result_of(run))]), *check_sentences(run)]
 
 
 def elements(run):
@@ -123,15 +144,18 @@ def draw_simulation(run, path):
     moved = {"as built": run.fields["displacement"]}
     if "release_displacement" in run.fields:
         moved["released"] = moved["as built"] + run.fields["release_displacement"]
-    pictures = Pictures(run, [run.fields["layer"]], list(moved.values()), [failing_elements(run, "")],
-                        [out_of_thickness(run, "")])
-    labels = [(f"{len(run.layers('simulated'))} layers", INK)]
-    labels += [(f"{state}, moved by up to {quantity(length, run.unit)}", colour)
-               for state, length, colour in zip(moved, pictures.largest_each, (INK, OPTIMIZED))]
+    shapes = Shapes(run, list(moved.values()))
+    layers = Layers(run, [""], [verdicts.places(run.summary)])
+    labels = [(f"{state}: moved by up to {quantity(length, run.unit)}", colour)
+              for state, length, colour in zip(moved, shapes.largest_each, (INK, OPTIMIZED))]
     plots = [charts.plot_motion] + [partial(charts.plot_layers, block="simulated")] * any(
         layer["thickness"] is not None for layer in run.layers("simulated"))
-    draw_sheet(path, f"{title_name(run)}, as built: displaced by {size_words(run.summary, run)}", simulation_sentences(run),
-               pictures, labels, [partial(plot, run=run) for plot in plots], run.unit)
+    known = verdicts.buildable(run, "simulated")
+    draw_sheet(path, Content(f"{title_name(run)}: {known or f'as built displaced by {size_words(run.summary, run)}'}",
+                             verdicts.answer_class(run), verdicts.answer_sentences(run), figures_of(run),
+                             [caption(run, "simulated")], numbered(run, "simulated"), labels,
+                             [partial(plot, run=run) for plot in plots], run.unit, skin_words(run),
+                             simulation_sentences(run)), layers, shapes)
 
 
 def size_words(block, run):
@@ -147,7 +171,7 @@ def simulation_sentences(run):
     distortion = f"  Distortion ({run.measure()}): {quantity(run.length('simulated'), run.length_unit())}." if known else ""
     return [f"{after}{distortion}",
             f"{elements(run)}, {len(run.layers('simulated'))} layers, {duration(run.summary['seconds']['total'])}.",
-            *verdict_sentences(run, {"simulated": "these layers"}), *check_sentences(run)]
+            *check_sentences(run)]
 
 
 def table(run):

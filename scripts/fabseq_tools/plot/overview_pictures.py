@@ -1,55 +1,81 @@
 # SPDX-License-Identifier: MIT
-"""The pictures of the part in an overview: layers and distorted shapes, all with the same view and
-colours."""
+"""The pictures of the part in an overview: layers with what cannot be built, and distorted shapes."""
 
 import numpy as np
 
-from fabseq_tools.geometry.grid import nodes_of
+from fabseq_tools.geometry.grid import in_space, nodes_of, origin_of
 from fabseq_tools.geometry.node_sets import measured_nodes
 from fabseq_tools.plot import render_part
+from fabseq_tools.plot.camera import View
 from fabseq_tools.run.command_line import RunError, warn
+from fabseq_tools.run.verdict_words import FAULTS
 
 DRAWN_DISPLACEMENT = 0.12  # of the box's longest edge: how far the largest displacement is drawn, at most
 MOST_DOTS = 24
-FAILING = (226, 40, 40)  # bytes: what the machine cannot build
-CHEQUERED = (60, 60, 60)  # bytes: of every other element whose thickness is out of range
+PIXELS = 1400, 1400
+MOST_PINS = 9  # numbers of places in a picture
 
 
-class Pictures:
-    """`images`: one for each of `layers` (fields of the elements), then one for each of `displacements` (of
-    the nodes). `failing`: for each of `layers` which elements cannot be built, marked in its picture;
-    `out_of_range`: which are too thick or too thin, chequered.
-    `largest_each`: the largest of each of the displacements, inside the part, too."""
+class Layers:
+    """Pictures of layers, all with the same view: `images`, and for each the `pins`: column, row, colour and
+    number of its largest places. `faults`: which kinds are there, as in the field `fault`.
 
-    def __init__(self, run, layers, displacements, failing, out_of_range):
-        config = run.config
-        self.part = render_part.VoxelPart(run.fields["density"], config["domain"]["size"], config.get("build_plate", "z-"))
-        self.displacements = [render_part.node_vectors(self.part, values) for values in displacements]
+    `groups`: prefixes in result.h5; `places`: those of each group, as in summary.json."""
+
+    def __init__(self, run, groups, places):
+        self.part = part_of(run)
+        frame = self.part.nodes[np.unique(self.part.faces)]
+        stored = [run.fields.get(group + "fault") for group in groups]
+        self.faults = sorted({int(kind) for fault in stored if fault is not None for kind in np.unique(fault) if kind})
+        images, (top, left) = crop_together([self.draw(run.fields[group + "layer"], fault, frame)
+                                             for group, fault in zip(groups, stored)])
+        self.images = images
+        self.aspect = images[0].shape[0] / images[0].shape[1]
+        view = View(self.part, frame, PIXELS)
+        self.pins = [[(column - left, row - top, *named) for column, row, *named in pins_of(run, view, found)]
+                     for found in places]
+
+    def draw(self, layer, fault, frame):
+        colours = (render_part.layer_colours(self.part, layer, int(layer.max())) if fault is None
+                   else render_part.fault_colours(self.part, layer, fault))
+        return render_part.render(self.part, frame=frame, face_colours=colours, pixels=PIXELS)
+
+
+class Shapes:
+    """Pictures of distorted shapes, all with the same view and colours: `images`, and `largest_each`: the
+    largest displacement of each, inside the part, too."""
+
+    def __init__(self, run, displacements):
+        self.part = part_of(run)
+        displacements = [render_part.node_vectors(self.part, values) for values in displacements]
         shown = np.unique(self.part.faces)
-        self.lengths = [np.linalg.norm(displacement, axis=1) for displacement in self.displacements]
-        self.largest_each = [length[nodes_of(run.fields["density"] > 0)].max() for length in self.lengths]
+        lengths = [np.linalg.norm(displacement, axis=1) for displacement in displacements]
+        self.largest_each = [length[nodes_of(run.fields["density"] > 0)].max() for length in lengths]
         self.largest = max(self.largest_each)
         self.exaggeration = plain_number(DRAWN_DISPLACEMENT * max(self.part.size) / (self.largest or 1.0))
-        self.frame = np.vstack([self.part.nodes[shown]] + [(self.part.nodes + self.exaggeration * u)[shown]
-                               for u in self.displacements])
+        moved = [(self.part.nodes + self.exaggeration * u)[shown] for u in displacements]
+        self.frame = np.vstack([self.part.nodes[shown], *moved])
         self.measured = spread(self.part.nodes, marked_nodes(run), MOST_DOTS)
-        self.layers, self.marks = len(layers), any(elements.any() for elements in failing)
-        self.chequers = any(elements.any() for elements in out_of_range)
-        self.images = crop_together([*map(self.layered, layers, failing, out_of_range),
-                                     *map(self.distorted, self.displacements, self.lengths)])
+        self.images, _ = crop_together(list(map(self.draw, displacements, lengths)))
         self.aspect = self.images[0].shape[0] / self.images[0].shape[1]
 
-    def layered(self, layer, failing, out_of_range):
-        colours = render_part.layer_colours(self.part, layer, int(layer.max()))
-        every_other = np.indices(out_of_range.shape).sum(axis=0) % 2 == 0
-        colours[(out_of_range & every_other).ravel()[self.part.face_element]] = CHEQUERED
-        colours[failing.ravel()[self.part.face_element]] = FAILING
-        return render_part.render(self.part, frame=self.frame, face_colours=colours)
-
-    def distorted(self, displacement, length):
+    def draw(self, displacement, length):
         colours = render_part.scalar_colours(length, self.largest, render_part.DISPLACEMENT_COLOURS)
-        return render_part.render(self.part, frame=self.frame, node_colours=colours, ghost=True,
+        return render_part.render(self.part, frame=self.frame, node_colours=colours, ghost=True, pixels=PIXELS,
                                   offset=self.exaggeration * displacement, marked=self.measured)
+
+
+def part_of(run):
+    return render_part.VoxelPart(run.fields["density"], run.config["domain"]["size"], run.config.get("build_plate", "z-"))
+
+
+def pins_of(run, view, places):
+    """Column, row, colour and number of the middle of each of the largest places."""
+    colours, origin = {name: colour for name, _, colour in FAULTS}, origin_of(run.config)
+    for number, place in enumerate(places[:MOST_PINS], start=1):
+        centre = np.array(place["centre"][:len(origin)]) - origin
+        column, row = view.places(in_space(centre[None])[0])
+        yield column, row, colours[place["kind"]], number
 
 
 def marked_nodes(run):
@@ -80,7 +106,8 @@ def spread(points, chosen, most):
 
 
 def crop_together(images, margin=12):
-    """The images without the white rim that all of them have."""
+    """The images without the white rim that all of them have, and how much of it was above and on the
+    left."""
     rows, columns = np.nonzero(np.any([np.any(image < 250, axis=2) for image in images], axis=0))
     top, left = max(rows.min() - margin, 0), max(columns.min() - margin, 0)
-    return [image[top:rows.max() + margin, left:columns.max() + margin] for image in images]
+    return [image[top:rows.max() + margin, left:columns.max() + margin] for image in images], (top, left)

@@ -1,49 +1,77 @@
 # SPDX-License-Identifier: MIT
-"""The sheet of an overview: a headline, a row of pictures with their legends, and a row of charts."""
+"""The sheet of an overview, from top to bottom: the verdict, the figures, large pictures of layers, and small
+pictures and charts."""
 
+import dataclasses
 import textwrap
 
 import matplotlib.pyplot as plt
-import numpy as np
 
-from fabseq_tools.plot import render_part
-from fabseq_tools.plot.drawing import INK, SOFT_INK
+from fabseq_tools.plot.drawing import INK, OPTIMIZED, SOFT_INK
+from fabseq_tools.run.verdict_words import COLOURS, FAULTS
 from fabseq_tools.run.words import quantity
 
 WIDTH = 16.0  # inches
 DOTS_PER_INCH = 120
-LINE = 0.25   # inches: height of a line below the headline
-LETTERS = 165  # of such a line, at most
-TITLE_LINE, TITLE_LETTERS = 0.38, 95  # the same of the headline
-BETWEEN_PANELS, BETWEEN_GROUPS = 0.01, 0.03  # of the width
-MARKED = "red: begins in the air, out of the torch's reach, or tilted too far"
-CHEQUERED = "chequered: thickness out of range"
-TITLE, HEADINGS, PICTURES, LEGENDS, CHARTS = range(5)  # rows
+EDGE, GAP, BEFORE_CHART = 0.03, 0.02, 0.055  # of the width
+LINE, LETTERS = 0.27, 150  # inches between the lines below the title, and how many letters one has
+TITLE_LETTERS = 70
+PLACE_LINE, PLACE_LETTERS = 0.24, 165
+SMALL_LETTERS = 34        # of the words below a small picture
+TALLEST, SMALL = 6.6, 2.5  # inches: of large pictures, and of small ones and charts
+FRAME = "#c5c9ce"
 LOOK = {"font.family": "DejaVu Sans", "font.size": 11, "text.color": INK, "axes.labelcolor": SOFT_INK,
-        "axes.edgecolor": "#c5c9ce", "axes.spines.top": False, "axes.spines.right": False, "axes.axisbelow": True,
-        "grid.color": "#e6e8eb", "xtick.color": SOFT_INK, "ytick.color": SOFT_INK, "axes.titlesize": 13,
+        "axes.edgecolor": FRAME, "axes.spines.top": False, "axes.spines.right": False, "axes.axisbelow": True,
+        "grid.color": "#e6e8eb", "xtick.color": SOFT_INK, "ytick.color": SOFT_INK, "axes.titlesize": 11,
         "axes.titlelocation": "left", "axes.titleweight": "bold", "axes.titlepad": 14}
+TITLE, CARDS, CAPTIONS, PICTURES, LEGEND, PLACES, HEADINGS, CHARTS, FOOT = range(9)  # rows
+CARD, CAPTION = 1.48, 0.42  # inches
+CARD_LETTERS = 225  # of small text in a card, over the number of cards
 
 
-def draw_sheet(path, title, sentences, pictures, labels, charts, unit):
-    """Writes the picture. `sentences`: those below the headline, each on a line of its own or more. `labels`:
-    words and colour for each of `pictures`. `charts`: functions that draw on axes."""
+@dataclasses.dataclass
+class Content:
+    """What a sheet shows. `kind`: class of the verdict, None where nobody knows; `cards`: Figures, of what is
+    `measured`; `captions`: a title and a short verdict with its class for each picture of `layers`;
+    `place_lines`: of the last of them; `labels`: for each picture of `shapes`; `charts`: functions that draw
+    on axes; `small`: lines at the end."""
+
+    title: str
+    kind: str
+    sentences: list
+    cards: list
+    captions: list
+    place_lines: list
+    labels: list
+    charts: list
+    unit: str
+    measured: str
+    small: list = dataclasses.field(default_factory=list)
+
+
+def draw_sheet(path, content, layers, shapes):
+    """Writes the picture."""
     plt.rcParams.update(LOOK)
-    headings = textwrap.wrap(title, TITLE_LETTERS)
-    more = TITLE_LINE * (len(headings) - 1)
-    lines = [line for sentence in sentences for line in textwrap.wrap(sentence, LETTERS)]
-    panels = Panels(pictures)
-    tall = min(max(panels.width * WIDTH * pictures.aspect, 1.8), 5.5)
-    sheet = Sheet([0.80 + more + LINE * len(lines), 0.55, tall, 1.55, 2.9, 0.75])
-    for number, line in enumerate(headings):
-        sheet.text(0.03, TITLE, 0.48 + TITLE_LINE * number, line, fontsize=min(22, 1500 / max(map(len, headings))), weight="bold")
-    for number, line in enumerate(lines):
-        sheet.text(0.03, TITLE, 0.90 + more + LINE * number, line, fontsize=11.5, color=SOFT_INK)
-    panels.draw(sheet, pictures, labels)
-    panels.add_legends(sheet, pictures, unit)
-    width = (0.93 - 0.075 * (len(charts) - 1)) / max(len(charts), 1)
-    for column, plot in enumerate(charts):
-        plot(sheet.axes(0.055 + (width + 0.07) * column, CHARTS, width))
+    title = textwrap.wrap(content.title, TITLE_LETTERS)
+    told = [line for words in content.sentences for line in textwrap.wrap(words, LETTERS)]
+    lines = [line for words in content.place_lines for line in textwrap.wrap(words, PLACE_LETTERS)]
+    small = [line for words in content.small for line in textwrap.wrap(words, PLACE_LETTERS)]
+    count = len(layers.images)
+    width = (1.0 - 2 * EDGE - GAP * (count - 1)) / count
+    tall = min(width * WIDTH * layers.aspect, TALLEST)
+    sheet = Sheet([0.5 + 0.44 * len(title) + LINE * len(told), (CARD + 0.45) * bool(content.cards), CAPTION, tall,
+                   0.45 * bool(layers.faults) + 0.1, PLACE_LINE * len(lines) + 0.25, 0.42, SMALL,
+                   0.85 + PLACE_LINE * len(small)])
+    draw_title(sheet, title, told, content.kind)
+    draw_cards(sheet, content.cards, content.unit, content.measured)
+    for number_of, (image, caption, pins) in enumerate(zip(layers.images, content.captions, layers.pins)):
+        draw_layers(sheet, EDGE + number_of * (width + GAP), width, image, caption, pins)
+    draw_legend(sheet, layers.faults)
+    for place, line in enumerate(lines):
+        sheet.text(EDGE, PLACES, 0.1 + PLACE_LINE * place, line, fontsize=10.5)
+    draw_small(sheet, content, shapes)
+    for place, line in enumerate(small):
+        sheet.text(EDGE, FOOT, 0.8 + PLACE_LINE * place, line, fontsize=9.5, color=SOFT_INK)
     sheet.figure.savefig(path, dpi=DOTS_PER_INCH)
     plt.close(sheet.figure)
 
@@ -65,51 +93,101 @@ class Sheet:
         tall = self.rows[row] - top if tall is None else tall
         return self.figure.add_axes([left, self.up(row, top + tall), width, tall / self.height])
 
+    def picture(self, left, row, width, image):
+        axes = self.axes(left, row, width)
+        axes.imshow(image)
+        axes.set_axis_off()
+        return axes
+
     def text(self, left, row, down, text, **how):
-        self.figure.text(left, self.up(row, down), text, va="center", **how)
+        return self.figure.text(left, self.up(row, down), text, va="center", **how)
+
+    def box(self, left, row, width, top, tall, **how):
+        """A filled or framed rectangle."""
+        self.figure.add_artist(plt.Rectangle((left, self.up(row, top + tall)), width, tall / self.height,
+                                             transform=self.figure.transFigure, zorder=-1, **how))
 
 
-class Panels:
-    """Where pictures stand: those of layers in a group, then those of distorted shapes, all of one width."""
+def draw_title(sheet, title, told, kind):
+    """White on the colour of the verdict, or dark where nobody knows."""
+    known = kind in COLOURS
+    if known:
+        sheet.box(0.0, TITLE, 1.0, 0.0, sheet.rows[TITLE] - 0.15, color=COLOURS[kind])
+    for place, line in enumerate(title):
+        sheet.text(EDGE, TITLE, 0.36 + 0.44 * place, line, fontsize=26, weight="bold", color="white" if known else INK)
+    for place, line in enumerate(told):
+        sheet.text(EDGE, TITLE, 0.30 + 0.44 * len(title) + LINE * place, line, fontsize=13, color="white" if known else SOFT_INK)
 
-    def __init__(self, pictures):
-        counts = pictures.layers, len(pictures.images) - pictures.layers
-        self.width = (0.95 - BETWEEN_GROUPS - BETWEEN_PANELS * (sum(counts) - 2)) / sum(counts)
-        self.lefts, self.groups, left = [], [], 0.025
-        for count in counts:
-            self.groups.append((left, left + count * self.width + (count - 1) * BETWEEN_PANELS))
-            self.lefts += [left + k * (self.width + BETWEEN_PANELS) for k in range(count)]
-            left = self.groups[-1][1] + BETWEEN_GROUPS
 
-    def draw(self, sheet, pictures, labels):
-        for left, image, (words, colour) in zip(self.lefts, pictures.images, labels):
-            axes = sheet.axes(left, PICTURES, self.width)
-            axes.imshow(image)
-            axes.set_axis_off()
-            sheet.text(left + self.width / 2, LEGENDS, 0.18, words, ha="center", weight="bold", color=colour)
+def draw_cards(sheet, cards, unit, measured):
+    """The figures side by side: root mean square large, largest beside it."""
+    if not cards:
+        return
+    width = (1.0 - 2 * EDGE - GAP * (len(cards) - 1)) / len(cards)
+    for place, card in enumerate(cards):
+        draw_card(sheet, EDGE + place * (width + GAP), width, card, unit, CARD_LETTERS // len(cards))
+    if any(card.rms is not None for card in cards):
+        sheet.text(EDGE, CARDS, CARD + 0.16, f"Large: root mean square of {measured}, after the best rigid fit.", fontsize=9,
+                   color=SOFT_INK)
 
-    def add_legends(self, sheet, pictures, unit):
-        headings = "Layers, in the order they are built", f"Distorted shape, drawn {scale_words(pictures.exaggeration)}"
-        for (left, _), words in zip(self.groups, headings):
-            sheet.text(max(left, 0.03), HEADINGS, 0.20, words, fontsize=13, weight="bold")
-        middles = [(left + right) / 2 for left, right in self.groups]
-        legend(sheet, middles[0], render_part.LAYER_COLOURS, "built first", "built last")
-        legend(sheet, middles[1], render_part.DISPLACEMENT_COLOURS, "displacement  0", quantity(pictures.largest, unit))
-        notes = ["grey: undistorted"] + ["dots: where distortion is measured"] * bool(len(pictures.measured))
-        marks = [MARKED] * pictures.marks + [CHEQUERED] * pictures.chequers
-        if marks:
-            sheet.text(middles[0], LEGENDS, 0.90, "      ".join(marks), ha="center", fontsize=10.5, color=SOFT_INK)
-        sheet.text(middles[1], LEGENDS, 0.90, "      ".join(notes), ha="center", fontsize=10.5, color=SOFT_INK)
+
+def draw_card(sheet, left, width, card, unit, letters):
+    inner, outer = left + 0.012, left + width - 0.012
+    colour = OPTIMIZED if card.is_ours else FRAME
+    sheet.box(left, CARDS, width, 0.0, CARD, facecolor="white", edgecolor=colour, linewidth=2.5 if card.is_ours else 1.0)
+    sheet.text(inner, CARDS, 0.2, card.title, fontsize=12, weight="bold")
+    if card.rms is not None:
+        sheet.text(inner, CARDS, 0.57, quantity(card.rms, unit), fontsize=24, weight="bold")
+        if card.largest is not None:
+            sheet.text(outer, CARDS, 0.6, f"largest {quantity(card.largest, unit)}", ha="right", color=SOFT_INK)
+    if card.verdict:
+        sheet.text(inner, CARDS, 0.89, card.verdict, weight="bold", color=COLOURS.get(card.kind, INK))
+    for line, words in enumerate(textwrap.wrap("   ".join(f"{name} {text}" for name, text in card.more), letters)):
+        sheet.text(inner, CARDS, (1.13 if card.verdict else 0.5) + 0.2 * line, words, fontsize=9, color=SOFT_INK)
+
+
+def draw_layers(sheet, left, width, image, caption, pins):
+    title, verdict, kind = caption
+    head = sheet.text(left, CAPTIONS, 0.22, title, fontsize=14, weight="bold")
+    end = head.get_window_extent(sheet.figure.canvas.get_renderer()).x1 / (WIDTH * DOTS_PER_INCH)
+    sheet.text(end + 0.01, CAPTIONS, 0.22, verdict, fontsize=14, weight="bold", color=COLOURS.get(kind, INK))
+    axes = sheet.picture(left, PICTURES, width, image)
+    for column, row, colour, place in reversed(pins):
+        axes.annotate(str(place), (column, row), xytext=(0, 20), textcoords="offset points", ha="center", va="center",
+                      color="white", weight="bold", fontsize=10, annotation_clip=False,
+                      bbox={"boxstyle": "circle,pad=0.25", "facecolor": colour, "edgecolor": "white"},
+                      arrowprops={"arrowstyle": "-", "color": colour, "lw": 2})
+
+
+def draw_legend(sheet, faults):
+    """The colours of what cannot be built, where there is any."""
+    left = EDGE
+    for kind in faults:
+        _, words, colour = FAULTS[kind - 1]
+        sheet.box(left, LEGEND, 0.011, 0.15, 0.17, color=colour)
+        label = sheet.text(left + 0.016, LEGEND, 0.24, words, color=SOFT_INK)
+        left = label.get_window_extent(sheet.figure.canvas.get_renderer()).x1 / (WIDTH * DOTS_PER_INCH) + 0.02
+
+
+def draw_small(sheet, content, shapes):
+    """Distorted shapes and charts in a row."""
+    count = len(shapes.images) + len(content.charts)
+    width = (1.0 - 2 * EDGE - BEFORE_CHART * len(content.charts) - GAP * len(shapes.images)) / count
+    left = EDGE
+    sheet.text(EDGE, HEADINGS, 0.12, f"Distorted shape, drawn {scale_words(shapes.exaggeration)}", weight="bold")
+    for image, (words, colour) in zip(shapes.images, content.labels):
+        sheet.picture(left, CHARTS, width, image)
+        for place, line in enumerate(textwrap.wrap(words, SMALL_LETTERS)):
+            sheet.text(left + width / 2, FOOT, 0.14 + 0.2 * place, line, ha="center", fontsize=10, color=colour, weight="bold")
+        left += width + GAP
+    notes = ["grey: undistorted", *["dots: where distortion is measured"] * bool(len(shapes.measured)),
+             f"yellow to red: displacement up to {quantity(shapes.largest, content.unit)}"]
+    sheet.text(EDGE, FOOT, 0.56, "   ".join(notes), fontsize=9, color=SOFT_INK)
+    for plot in content.charts:
+        left += BEFORE_CHART
+        plot(sheet.axes(left, CHARTS, width))
+        left += width
 
 
 def scale_words(exaggeration):
     return "as it is" if exaggeration == 1 else f"{exaggeration:g} times {'larger' if exaggeration > 1 else 'as large'}"
-
-
-def legend(sheet, middle, colours, low, high):
-    left, width = middle - 0.09, 0.18
-    axes = sheet.axes(left, LEGENDS, width, top=0.52, tall=0.14)
-    axes.imshow(np.linspace(0, 1, 256)[None, :], aspect="auto", cmap=colours)
-    axes.set_axis_off()
-    sheet.text(left - 0.006, LEGENDS, 0.59, low, ha="right", fontsize=10.5, color=SOFT_INK)
-    sheet.text(left + width + 0.006, LEGENDS, 0.59, high, ha="left", fontsize=10.5, color=SOFT_INK)

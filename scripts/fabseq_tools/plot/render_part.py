@@ -16,18 +16,21 @@ import h5py
 import numpy as np
 from matplotlib import colormaps
 from matplotlib import image as matplotlib_image
+from matplotlib.colors import to_rgb
 from vtkmodules import vtkRenderingOpenGL2  # noqa: F401 (registers the renderer)
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkFiltersSources import vtkSphereSource
 from vtkmodules.vtkRenderingCore import (vtkActor, vtkLight, vtkPolyDataMapper, vtkRenderer, vtkRenderWindow,
                                          vtkWindowToImageFilter)
 
-from fabseq_tools.geometry.grid import node_positions
+from fabseq_tools.geometry.grid import in_space, node_positions
 from fabseq_tools.geometry.vtk_data import poly_data
+from fabseq_tools.plot.camera import MARGIN, View, aim_camera
 from fabseq_tools.plot.colour_bar import BAR_SHARE, with_bar
 from fabseq_tools.plot.virtual_display import ensure_display
 from fabseq_tools.run.command_line import RunError, non_negative, parser_of, whole_number
 from fabseq_tools.run.read_run import lacking, read_json
+from fabseq_tools.run.verdict_words import FAULTS
 
 COMMAND = "render"
 
@@ -35,10 +38,9 @@ LAYER_COLOURS = "viridis"
 DISPLACEMENT_COLOURS = "YlOrRd"
 TEMPERATURE = "interpass_temperature"
 TEMPERATURE_COLOURS = "plasma"
+NO_FAULT = "#e4e7eb"
 PLATE_COLOUR = (0.84, 0.85, 0.87)
 MOST_ELEMENTS_WITH_EDGES = 48  # along the longest side; finer grids would turn grey
-MARGIN = 0.06  # of the longest side: how far the plate and the picture reach beyond the box
-VIEW_DIRECTION = (0.62, -1.0, 0.55)  # from the part towards the eye, z up
 
 
 class VoxelPart:
@@ -50,11 +52,6 @@ class VoxelPart:
         self.density, self.size, self.plate, self.dimension = density, size, plate, density.ndim
         self.nodes = in_space(node_positions(size, density.shape[::-1]))
         self.faces, self.face_element = surface(density > 0)
-
-
-def in_space(vectors):
-    """Vectors with a third component, 0 in 2D."""
-    return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
 
 
 def surface(present):
@@ -80,6 +77,16 @@ def layer_colours(part, layer, count):
     """One colour per face (m, 3) bytes: along the colour map by layer, every other layer a shade darker."""
     index = np.asarray(layer).ravel()[part.face_element]
     colours = colormaps[LAYER_COLOURS]((index - 0.5) / max(count, 1))[:, :3]
+    colours *= np.where(index % 2 == 0, 0.84, 1.0)[:, None]
+    return (255 * colours).astype(np.uint8)
+
+
+def fault_colours(part, layer, fault):
+    """One colour per face (m, 3) bytes: that of the kind of fault, grey where there is none; every other
+    layer a shade darker."""
+    index = np.asarray(layer).ravel()[part.face_element]
+    palette = np.array([to_rgb(NO_FAULT), *(to_rgb(colour) for _, _, colour in FAULTS)])
+    colours = palette[np.asarray(fault).astype(int).ravel()[part.face_element]]
     colours *= np.where(index % 2 == 0, 0.84, 1.0)[:, None]
     return (255 * colours).astype(np.uint8)
 
@@ -115,7 +122,7 @@ def render(part, face_colours=None, node_colours=None, offset=None, ghost=False,
         add_light(renderer)
     renderer.SetUseDepthPeeling(True)
     renderer.SetMaximumNumberOfPeels(8)
-    aim_camera(renderer, part, points if frame is None else frame, pixels)
+    aim_camera(renderer, View(part, points if frame is None else frame, pixels))
     return picture_of(renderer, pixels)
 
 
@@ -212,28 +219,6 @@ def add_dots(renderer, part, points):
         data = ball.GetOutput()
         data.GetPointData().SetNormals(None)
         add_actor(renderer, data, (0.10, 0.11, 0.13), lit=False)
-
-
-def aim_camera(renderer, part, frame, pixels):
-    """Parallel projection along VIEW_DIRECTION (2D: straight down) that just holds `frame` and the plate."""
-    margin = MARGIN * max(part.size)
-    box = in_space(np.array(list(itertools.product(*((-margin, s + margin) for s in part.size)))))
-    points = np.vstack([frame, box])
-    view, up = (VIEW_DIRECTION, (0.0, 0.0, 1.0)) if part.dimension == 3 else ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0))
-    view = np.array(view) / np.linalg.norm(view)
-    right = np.cross(up, view)
-    right /= np.linalg.norm(right)
-    upward = np.cross(view, right)
-    horizontal, vertical, depth = points @ right, points @ upward, points @ view
-    middle = 0.5 * (horizontal.min() + horizontal.max()) * right + 0.5 * (vertical.min() + vertical.max()) * upward
-    distance = depth.max() + 2.0 * np.ptp(depth) + max(part.size)
-    camera = renderer.GetActiveCamera()
-    camera.ParallelProjectionOn()
-    camera.SetFocalPoint(*middle)
-    camera.SetPosition(*(middle + distance * view))
-    camera.SetViewUp(*up)
-    camera.SetParallelScale(0.51 * max(np.ptp(vertical), np.ptp(horizontal) * pixels[1] / pixels[0]))
-    renderer.ResetCameraClippingRange()
 
 
 def field_of(file, name, config):

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: MIT
-"""Writes a page about one or several runs for any browser: figures, curves, the part in 3D.
+"""Writes a page about one or several runs for any browser: verdict, figures, places, the part in 3D.
 
     fabseq-tools report OUTPUT_DIR... [-o PAGE.html]
 
 The page of one run goes to OUTPUT_DIR/report.html, that of several to report_compare.html in the first of
 them. It is one file that loads nothing else and works without a server. Of a run of `-task optimize` or
-`simulate` it shows what the files hold; of one that is going on, was stopped or has failed, settings and
-curves.
+`simulate` it begins with the answer: whether the layers can be built, at which places they cannot, and what
+is gained over planar layers and the best alternative. Of one that is going on, was stopped or has failed it
+shows settings and curves.
 """
 
 import json
@@ -15,6 +16,7 @@ import os
 from html import escape
 from string import Template
 
+from fabseq_tools.report.answer import answer_section, look, pair_of
 from fabseq_tools.report.charts import charts_of
 from fabseq_tools.report.tables import comparison, constraints, facts_table, results, sensitivity
 from fabseq_tools.report.torch_paths import SUMMARY as PATHS, paths
@@ -25,7 +27,8 @@ from fabseq_tools.run.check_words import check_sentences, result_of
 from fabseq_tools.run.command_line import RunError, parser_of
 from fabseq_tools.run.read_run import Run, read_fields, read_history, read_json
 from fabseq_tools.run.settings import NOT_COMPARED, flat
-from fabseq_tools.run.verdict_words import headline_sentences, missed_words, thickest_sentence, verdict_sentences
+from fabseq_tools.run.verdict_words import (answer_class, answer_words, gain_words, headline_sentences, missed_words,
+                                            thickest_sentence, verdict_sentences, why_not)
 
 COMMAND = "report"
 
@@ -65,10 +68,11 @@ def page_of(runs):
     shown = [(run, views_of(run, view_labels(run, runs)) if "density" in run.fields else []) for run in runs]
     scene, factors = packed_scene(shown)
     charts = charts_of(runs) + (tradeoff_charts(runs[0]) if len(runs) == 1 else [])
-    data = {"unit": unit_of(runs[0]), "charts": charts, "scene": scene}
+    pair = pair_of(runs[0], scene) if len(runs) == 1 else []
+    data = {"unit": unit_of(runs[0]), "charts": charts, "scene": scene, "answer": {"views": pair}}
     title = f"{run_name(runs[0])}: report" if len(runs) == 1 else "Comparison of runs"
     return Template(read("page.html")).substitute(
-        title=escape(title), style=read("page.css"), body=body_of(runs, notes_of(runs, scene, factors)),
+        title=escape(title), style=read("page.css"), body=body_of(runs, pair, notes_of(runs, scene, factors)),
         data=json.dumps(data, separators=(",", ":")).replace("<", "\\u003c"), script=bundle())
 
 
@@ -94,33 +98,47 @@ def read(name):
         return file.read()
 
 
-def body_of(runs, notes):
-    """The sections of the page; charts and views are drawn into theirs by the script."""
+def body_of(runs, pair, notes):
+    """The answer, and below it the other sections; charts and views are drawn into theirs by the script."""
     run, several = runs[0], len(runs) > 1
-    lines = [f"<h1>{escape('Comparison of runs' if several else run_name(run))}</h1>"]
-    for each in runs:
-        label = f"<b>{escape(each.label)}</b>: " if several else ""
-        first, *others = [*headline_sentences(each), headline(each)]
-        lines.append(f'<p class="headline">{label}{escape(first)}</p>')
-        lines += [f'<p class="worst">{escape(words)}</p>' for words in (*others, *conclusions(each, several)) if words]
-    if not several:
-        lines.append(f'<p class="note">{escape(summary_line(run))}</p>')
+    first = comparison_head(runs) if several else answer_section(run, pair)
+    lines = [f"<h1>{escape('Comparison of runs' if several else run_name(run))}</h1>", first]
     views = '<section id="viewer"></section>' + "".join(f'<p class="note">{escape(note)}</p>' for note in notes)
-    sections = [("Figures", comparison(runs) if several else results(run)), ("Part and layers", views),
+    sections = [("Conclusions", "" if several else sentences(run)),
+                ("Figures", comparison(runs) if several else results(run)), ("Part and layers", views),
                 ("Under other assumptions, binary layers", "" if several else sensitivity(run)),
                 ("Trade-off, binary layers", "" if several else tradeoff_tables(run)),
                 ("Constraints", "" if several else constraints(run)),
                 ("Torch paths", "" if several else paths(run)), ("Curves", '<section id="charts"></section>'),
                 ("What was run", facts_table(runs))]
-    return "\n".join(lines + [f"<h2>{title}</h2>{content}" for title, content in sections if content])
+    opened = " open" if several or not first else ""  # without an answer the rest is all there is
+    return "\n".join(lines + [f"<details{opened}><summary>{title}</summary>{content}</details>"
+                              for title, content in sections if content])
+
+
+def comparison_head(runs):
+    """A line for each run: what it comes to."""
+    lines = []
+    for run in runs:
+        words, first = answer_words(run), [*headline_sentences(run), headline(run)][0]
+        chip = f'<span class="chip {look(answer_class(run))}">{escape(words)}</span> ' if words else ""
+        lines.append(f'<p class="headline"><b>{escape(run.label)}</b>: {chip}{escape(gain_words(run) or first)}</p>')
+        lines += [f'<p class="worst">{escape(words)}</p>' for words in conclusions(run, True) if words]
+    return "\n".join(lines)
+
+
+def sentences(run):
+    """What the program concludes, and how it ended."""
+    first, *others = [*headline_sentences(run), headline(run)]
+    lines = [f'<p class="headline">{escape(first)}</p>']
+    lines += [f'<p class="worst">{escape(words)}</p>' for words in (*others, *conclusions(run, False)) if words]
+    return "\n".join([*lines, f'<p class="note">{escape(summary_line(run))}</p>'])
 
 
 def conclusions(run, several):
     """Sentences below the headline: of several runs only on what the run is about."""
-    state = result_of(run)
-    states = {state: states_of(run).get(state)} if several else states_of(run)
-    return [worst_case(run), missed_words(run), *verdict_sentences(run, states), thickest_sentence(run, state),
-            *check_sentences(run)]
+    judged = why_not(run) if several else verdict_sentences(run, states_of(run))
+    return [worst_case(run), missed_words(run), *judged, thickest_sentence(run, result_of(run)), *check_sentences(run)]
 
 
 def notes_of(runs, scene, factors):

@@ -119,9 +119,9 @@ def layer_rows(run, states):
     worst = {"optimized": violation(run, False), "binary": violation(run, True)}
     if any(value is not None for value in worst.values()):
         rows.append(("all constraints", [cell(verdict(worst.get(state))) for state in states]))
-    can_be_built = [buildable(run, state) for state in states]
+    can_be_built = [None if state == "optimized" else buildable(run, state) for state in states]  # smooth layers never are
     if any(can_be_built):
-        rows.append(("buildable on this machine", list(map(cell, can_be_built))))
+        rows.append(("verdict", list(map(cell, can_be_built))))
     for heading, figures in check_figures(run).items():
         found = check_rows(figures, [(run, state) for state in states])
         rows += [(heading, None)] * bool(found and heading) + found
@@ -214,7 +214,7 @@ def comparison_of_runs(runs):
             *(row for figures in check_figures().values() for row in check_rows(figures, columns)),
             ("constraints, smooth layers", [cell(verdict(violation(run, False))) for run in runs]),
             ("constraints, binary layers", [cell(verdict(violation(run, True))) for run in runs]),
-            ("buildable on this machine", [cell(buildable(*column)) for column in columns]),
+            ("verdict", [cell(buildable(*column)) for column in columns]),
             ("unit of length", [cell(unit_of(run)) for run in runs]),
             ("iterations", [cell(run.summary.get("iterations")) for run in runs]),
             ("seconds", [cell(run.summary.get("seconds", {}).get("total")) for run in runs]),

@@ -5,6 +5,7 @@ import os
 from html import escape
 
 from fabseq_tools.report.tables import cell, digits, table
+from fabseq_tools.run.words import whole
 
 SUMMARY = os.path.join("paths", "paths_summary.json")
 COUNTS = ("starts", "length", "travel")
@@ -30,7 +31,7 @@ def paths(run):
 def judged(record):
     """The verdict on the layers, and what crosses on the way between passes."""
     verdict, ways = record.get("verdict"), record.get("ways") or {"crossing": []}
-    words = f"Buildable: {verdict['words']}." if verdict else "Buildable: not judged."
+    words = whole(verdict["words"] if verdict else "not judged by this run")
     if ways["crossing"]:
         words += f" {len(ways['crossing'])} of {ways['count']} straight rapid ways between passes cross what stands."
     return words

@@ -12,6 +12,7 @@ from fabseq_tools.geometry.grid import element_edges, nodes_of
 from fabseq_tools.geometry.slopes import element_slopes, node_slopes
 from fabseq_tools.report.words import unit_of
 from fabseq_tools.run.check_words import percent, thickness_limits
+from fabseq_tools.run.verdict_words import FAULTS, GROUPS
 from fabseq_tools.run.words import number
 
 LARGEST = 4_000_000      # bytes of all views together, as text
@@ -22,7 +23,10 @@ MISSING = 65535          # where a field has no value
 SHOWN_THICKNESS = 1.5    # times the usual one: no larger ones are told apart
 
 # What of result.h5 is shown in the views, and under which name.
-FIELDS = {"layer": {"label": "layer", "colours": "layers"}, "time": {"label": "pseudo-time", "colours": "layers"},
+FIELDS = {"layer": {"label": "layer", "colours": "layers"},
+          "fault": {"label": "what cannot be built", "colours": "faults",
+                    "kinds": [{"label": words, "colour": colour} for _, words, colour in FAULTS]},
+          "time": {"label": "pseudo-time", "colours": "layers"},
           "displacement": {"label": "displacement", "colours": "heat", "length": True},
           "stress": {"label": "residual stress (von Mises)", "colours": "heat", "unit": "stress units"},
           "local_thickness": {"label": "local layer thickness", "colours": "diverging", "length": True, "open": True},
@@ -33,16 +37,17 @@ FIELDS = {"layer": {"label": "layer", "colours": "layers"}, "time": {"label": "p
           "out_of_range": {"label": "thickness out of range", "colours": "marked", "words": ["in its range", "out of range"]}}
 MARKS = ("hanging", "out_of_range")  # 0 or 1
 FROM_LEAST = ("local_thickness", "interpass_temperature")  # fields whose colours begin at the least value, not at 0
-STORED = ("layer", "local_thickness", "blocked", "tilt", "hanging", "interpass_temperature")  # those of elements in each state
-LARGEST_OF = ("layer", *MARKS, "blocked")  # fields of which a coarser element shows the largest value, not the mean
+STORED = ("layer", "fault", "local_thickness", "blocked", "tilt", "hanging", "interpass_temperature")  # of elements, each state
+ORDER = "start", "baseline", "baseline_tilted", "baseline_even", "binary", "simulated"  # of the views
+LARGEST_OF = ("layer", *MARKS, "blocked", "fault")  # fields of which a coarser element shows the largest value, not the mean
 
 
 def views_of(run, labels):
     """The part and a view for each state that result.h5 holds, as arrays. `labels`: words by state."""
-    prefixes = {"start": ("start/", "start/"), "baseline": ("planar/", "planar/"),
-                "baseline_tilted": ("tilted/", "tilted/"), "baseline_even": ("even/", "even/"),
-                "binary": ("", "binary/" if "binary/displacement" in run.fields else ""), "simulated": ("", "")}
-    return [{**view_of(run, state, group, shape), "label": labels[state]} for state, (group, shape) in prefixes.items()
+    shapes = {"binary": "binary/"} if "binary/displacement" in run.fields else {}
+    prefixes = {state: (GROUPS[state], shapes.get(state, GROUPS[state])) for state in ORDER}
+    return [{**view_of(run, state, group, shape), "label": labels[state], "state": state}
+            for state, (group, shape) in prefixes.items()
             if state in labels and {group + "time", group + "layer", shape + "displacement"} <= set(run.fields)]
 
 
@@ -162,8 +167,8 @@ def add_part(scene, run, views, factor):
         time = coarsened(np.where(part, view["time"], np.nan), factor, np.mean)
         shape = packed_shape(run, view, part, built, factor)
         ranges = {"time": [0.0, 1.0], **shape["ranges"]}
-        scene["views"].append({**shape, "label": view["label"], "part": len(scene["parts"]) - 1, "ranges": ranges,
-                               "time": pack(time, STEPS["time"]), "notes": view["notes"]})
+        scene["views"].append({**shape, "label": view["label"], "state": view["state"], "part": len(scene["parts"]) - 1,
+                               "ranges": ranges, "time": pack(time, STEPS["time"]), "notes": view["notes"]})
         if "released" in view:
             scene["views"][-1]["released"] = packed_shape(run, view["released"], part, built, factor)
         scene["fields"] |= {name: FIELDS[name] for name in FIELDS if name in ranges}
@@ -185,6 +190,8 @@ def shown_range(name, values, run):
         return thickness_limits(run)
     if name in MARKS:
         return [0.0, 1.0]
+    if name == "fault":  # two colours for each kind, by turns from layer to layer
+        return [0.0, 2.0 * len(FAULTS) + 1.0]
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
     return [1.0 if name == "layer" else low if name in FROM_LEAST else 0.0, high]
 

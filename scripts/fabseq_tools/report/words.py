@@ -4,7 +4,7 @@
 import math
 
 from fabseq_tools.run.misses import worst_miss
-from fabseq_tools.run.words import alike, duration, factor, number, quantity
+from fabseq_tools.run.words import duration, less, number, quantity
 
 STATES = {"start": "start design", "baseline": "planar", "baseline_matched": "planar, {} layers",
           "baseline_tilted": "planar, tilted", "baseline_even": "even layers",
@@ -58,13 +58,6 @@ def sentence(term):
     return {"shape": f"the shape of the {nodes} distorts {{}}", "flatness": f"the {nodes} deviates from a plane {{}}",
             "angle": f"the angle between {nodes} and {to} changes {{}}",
             "layerwise": "the part moves, layer by layer, {}"}.get(term.get("measure"), f"the {nodes} moves {{}}")
-
-
-def less(value):
-    """How a length compares with one that is `value` times as long, which is named next."""
-    if alike(value, 1.0):
-        return "about as much as"
-    return f"{factor(value)} times less than" if value > 1 else f"{factor(1 / value)} times more than"
 
 
 def headline(run):

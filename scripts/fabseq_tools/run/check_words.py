@@ -2,12 +2,9 @@
 """What the checks of a sequence (docs/formulation.md 13.1) say in words and figures, for the report and the
 overview."""
 
-import numpy as np
-
 from fabseq_tools.run.read_run import target_thickness
 from fabseq_tools.run.words import alike, number, quantity
 
-LARGEST_TILT = 180.0  # degrees
 USUAL_RANGE = [0.5, 1.5]  # of tool.thickness
 
 
@@ -19,22 +16,6 @@ def hanging(run, state):
 def torch(run, state, check):
     """What the check of that name, `blocked` or `tilt`, has found; empty without a torch."""
     return run.summary.get(state, {}).get("checks", {}).get(check) or {}
-
-
-def failing_elements(run, group):
-    """Elements of the layers of that prefix in result.h5 that begin in the air, that the torch does not reach
-    or at which it would tilt by more than its limit."""
-    limits = {"hanging": 0.0, "blocked": 0.0, "tilt": run.config.get("tool", {}).get("max_tilt", LARGEST_TILT)}
-    found = [run.fields[group + name] > limit for name, limit in limits.items() if group + name in run.fields]
-    return np.any(found, axis=0) if found else np.zeros(run.fields["density"].shape, bool)
-
-
-def out_of_thickness(run, group):
-    """Elements of the layers of that prefix in result.h5 whose local thickness cannot be deposited."""
-    limits, thickness = thickness_limits(run), run.fields.get(group + "local_thickness")
-    if limits is None or thickness is None:
-        return np.zeros(run.fields["density"].shape, bool)
-    return (run.fields["density"] > 0) & ~((thickness >= limits[0]) & (thickness <= limits[1]))
 
 
 def check_sentences(run):

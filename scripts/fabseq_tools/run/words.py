@@ -18,6 +18,18 @@ def alike(first, second):
     return 0.95 * second < first < 1.05 * second
 
 
+def less(value):
+    """How a length compares with one that is `value` times as long, which is named next."""
+    if alike(value, 1.0):
+        return "about as much as"
+    return f"{factor(value)} times less than" if value > 1 else f"{factor(1 / value)} times more than"
+
+
+def whole(words):
+    """A sentence of words that begin it or not; none of none."""
+    return f"{words[:1].upper()}{words[1:]}." if words else ""
+
+
 def number(value):
     """Three digits, or four of a whole number, with a power of ten where needed: 0.127, 1,093, 3.07·10⁻³."""
     if 999.5 <= abs(value) < 9999.5:

@@ -18,7 +18,7 @@ config has none: those of a type that a kind of layers does not have are left ou
 Planar layers have the target thickness. Optimizations take the config's own iterations, and its own steps
 where the sequence is of its own kind; options behind -- go to all runs (-- -max_iterations 60). Figures are
 of binary layers, whose simulation takes 15 % more and less of the inherent strain along each axis: `spread`
-is how much of the first objective's length that changes. `satisfied` is the program's verdict. Times are
+is how much of the first objective's length that changes. `verdict` is the program's. Times are
 those of the optimization, or of a simulation where there is none.
 
 Into DIR, by default output/PART_families, go families.json, .csv and .png, and a folder for each run. A run

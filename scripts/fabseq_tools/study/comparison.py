@@ -6,6 +6,7 @@ import os
 
 from fabseq_tools.run.command_line import RunError
 from fabseq_tools.run.progress import Progress
+from fabseq_tools.run.verdict_words import rank
 from fabseq_tools.study import figures
 from fabseq_tools.study.families import Families, heights_of
 
@@ -46,7 +47,7 @@ class Comparison:
             yield self.row(family)
 
     def best_of_scan(self, step, azimuths, height):
-        """Those that can be built come first. None where the limit is less than a step."""
+        """Those of the best class come first. None where the limit is less than a step."""
         tried = {}
         with Progress("tilted planar layers") as progress:
             directions = list(self.families.directions(step, azimuths))
@@ -58,7 +59,7 @@ class Comparison:
         done = [row for row in self.scan if "reason" not in row]
         if not done:
             return self.scan[0] if self.scan else None
-        best = min(done, key=lambda row: (not row["satisfied"], row["objective"]))
+        best = min(done, key=lambda row: (rank(row["class"]), row["objective"]))
         row = self.row(dataclasses.replace(tried[best["folder"]], name="tilted"))
         return row | {"tilt": best["tilt"], "direction": best["direction"]}
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from fabseq_tools.run.check_words import inner, percent, result_of
 from fabseq_tools.run.command_line import RunError, write_json, write_rows
+from fabseq_tools.run.verdict_words import class_of, in_short, place_lines
 from fabseq_tools.run.words import duration, number
 
 # Columns of a table by their key in a row: heading, and how a value is shown.
@@ -16,8 +17,7 @@ COLUMNS = {"objective": ("objective", number), "skin": ("skin", number), "skin_r
            "spread": ("spread", number),
            "thickness": ("thickness, 1 to 99 %", lambda span: " to ".join(f"{value:.2f}" for value in span)),
            "outside": ("out of range", percent), "beyond_tilt": ("beyond tilt", percent), "blocked": ("blocked", str),
-           "hanging": ("hanging", str), "satisfied": ("satisfied", lambda yes: "yes" if yes else "no"),
-           "seconds": ("time", duration)}
+           "hanging": ("hanging", str), "verdict": ("verdict", str), "seconds": ("time", duration)}
 SPREAD = "; spread of the first objective with 15 % more and less of the strain along each axis"
 
 
@@ -27,8 +27,8 @@ def row_of(run, target):
     `objective`: length of the first distortion; `skin`, `skin_released`: root mean square of how far the skin
     deviates from its shape, as built and after the release; `spread`: how much of the first length the
     scenarios of the strain change; `thickness`: local thickness between its 1st and 99th percentile, relative
-    to the target; `satisfied`, `violated`: the program's verdict, and its reasons in words. Keys of what the
-    run does not have are None."""
+    to the target; `class`, `verdict`, `violated`: the program's verdict, in short, and its reasons in words;
+    `places`: in words, where it cannot be built. Keys of what the run does not have are None."""
     state = result_of(run)
     block = run.summary[state]
     if "verdict" not in block:
@@ -39,7 +39,7 @@ def row_of(run, target):
             "blocked": ("checks", "blocked", "elements"), "hanging": ("checks", "hanging", "elements")}
     row = {"objective": run.length(state), "spread": spread(run, block), "thickness": thickness_span(run, target)}
     row |= {key: inner(*names)(block) for key, names in keys.items()}
-    return row | {"satisfied": block["verdict"]["buildable"],
+    return row | {"class": class_of(block["verdict"]), "verdict": in_short(block["verdict"]), "places": place_lines(block),
                   "violated": [reason["words"] for reason in block["verdict"]["reasons"]],
                   "seconds": run.summary["seconds"]["total"]}
 

@@ -17,9 +17,9 @@ of the schedules (--iterations for another number).
 Into DIR, by default output/CONFIG_tradeoff, go tradeoff_thickness.json, .csv, .svg and .png (or
 tradeoff_tilt), and a folder for each run. A run that is done is not repeated, and one that was interrupted
 goes on: the command can be killed and called again. `fabseq-tools report` shows curve and table in the page
-of any of these runs, and of DIR where that is the folder of a run itself. `satisfied` is the program's
-verdict (summary.json): whether the machine can build these binary layers, by the exact checks. It counts
-every element, also those that a constraint lets pass.
+of any of these runs, and of DIR where that is the folder of a run itself. `verdict` is the program's
+(summary.json): whether the machine can build these binary layers, by the exact checks. It counts every
+element, also those that a constraint lets pass.
 """
 
 import math

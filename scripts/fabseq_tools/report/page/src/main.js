@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
-// The page of a report: reads its data, draws curves and views, and keeps what is shown in the address, so
-// that a link leads to the same view: report.html#time=0.5&field=displacement.
+// The page of a report: reads its data, draws the two views of the answer, and what is folded once it is opened.
+// What the views below show stands in the address, so that a link leads there: report.html#time=0.5&field=layer.
 
+import { buildAnswer } from './answer.js';
 import { drawCharts } from './charts.js';
+import { readPart } from './model.js';
 import { buildViewer } from './viewer.js';
 
 const address = new URLSearchParams(location.hash.slice(1));
+const OF_VIEWS = ['time', 'field', 'state', 'magnification', 'scale', 'camera'];
 
 // Keeps a value in the address; nothing where it is the usual one.
 function remember(key, value) {
@@ -37,21 +40,42 @@ function chooseScheme(onChange) {
   show();
 }
 
+// Calls a function once the section around a place is seen, at once where it is not folded.
+async function onceOpen(place, build) {
+  const folded = place.closest('details');
+  if (!folded || folded.open) return build();
+  return new Promise((resolve) => {
+    folded.addEventListener('toggle', () => resolve(build()), { once: true });
+  });
+}
+
+async function built(place, build) {
+  try {
+    return await build();
+  } catch (error) {
+    place.append(`This browser cannot show the part in 3D: ${error.message}`);
+    return () => {};
+  }
+}
+
 async function start() {
   const data = JSON.parse(document.getElementById('data').textContent);
-  let redraw = () => {};
-  chooseScheme(() => {
-    drawCharts(document.getElementById('charts'), data.charts);
-    redraw();
+  const [answer, viewer, charts] = ['pair', 'viewer', 'charts'].map((id) => document.getElementById(id));
+  const redraw = {};
+  chooseScheme(() => Object.values(redraw).forEach((draw) => draw()));
+  const parts = data.scene.views.length ? await Promise.all(data.scene.parts.map(readPart)) : [];
+  if (answer) redraw.answer = await built(answer, () => buildAnswer(answer, data, parts));
+  const linked = OF_VIEWS.some((key) => address.has(key));
+  if (linked) viewer.closest('details').open = true;
+  const views = !parts.length ? null : onceOpen(viewer, async () => {
+    redraw.viewer = await built(viewer, () => buildViewer(viewer, data, parts, address, remember));
   });
-  const place = document.getElementById('viewer');
-  if (data.scene.views.length) {
-    try {
-      redraw = await buildViewer(place, data, address, remember);
-    } catch (error) {
-      place.textContent = `This browser cannot show the part in 3D: ${error.message}`;
-    }
-  }
+  if (viewer.closest('details').open) await views;
+  if (linked) viewer.closest('details').scrollIntoView();
+  onceOpen(charts, () => {
+    redraw.charts = () => drawCharts(charts, data.charts);
+    redraw.charts();
+  });
   requestAnimationFrame(() => requestAnimationFrame(() => {
     document.documentElement.dataset.ready = Math.round(performance.now());
   }));

@@ -54,7 +54,18 @@ export class Model {
     this.textures.time = gridTexture(time.values, part.grid);
     Object.assign(this.textures, await this.shapeTextures(packed));
     this.released = packed.released && { ...this.textures, ...await this.shapeTextures(packed.released) };
-    this.rememberLayers((await unpack(packed.fields.layer)).values, time.values);
+    const layers = (await unpack(packed.fields.layer)).values;
+    this.rememberLayers(layers, time.values);
+    if (packed.fields.fault) await this.addFaults(packed.fields.fault, layers);
+  }
+
+  // The kind of fault, and whether the layer is an odd one: a number for each of the colours of `faults`.
+  async addFaults(packed, layers) {
+    const { values } = await unpack(packed);
+    const texture = gridTexture(values.map((fault, i) => (this.part.built[i] ? 2 * fault + ((layers[i] + 1) % 2) : NO_VALUE)),
+      this.part.grid);
+    this.textures.fault = texture;
+    if (this.released) this.released.fault = texture;
   }
 
   // What the part looks like as built or released.
@@ -75,6 +86,7 @@ export class Model {
   rememberLayers(layers, times) {
     const begins = [];
     layers.forEach((layer, i) => { if (times[i] <= 1) begins[layer] = Math.min(begins[layer] ?? NEVER, times[i]); });
+    this.layers = layers.map((layer, i) => (times[i] <= 1 ? layer : Infinity));
     this.layerBegins = begins.filter((begin) => begin !== undefined);
   }
 
@@ -89,20 +101,21 @@ export class Model {
     return { share: low / this.sortedTimes.length, layer, layers: this.layerBegins?.length };
   }
 
-  build(now) {
-    if (now === this.now) return;
-    this.now = now;
+  // Up to a time, or to a layer where one is given.
+  build(now, layer) {
+    if (now === this.now && layer === this.layer) return;
+    Object.assign(this, { now, layer });
     const { face } = this.geometry.attributes;
-    this.geometry.instanceCount = chooseFaces(this.part.faces, this.times, now, face.array);
+    this.geometry.instanceCount = chooseFaces(this.part.faces, layer ? this.layers : this.times, layer ?? now, face.array);
     face.clearUpdateRanges();
     face.addUpdateRange(0, 4 * this.geometry.instanceCount);
     face.needsUpdate = true;
   }
 
-  show(now, released, magnification, name, [low, high], colours) {
+  show(now, released, magnification, name, [low, high], colours, layer = null) {
     const { uniforms } = this;
     const textures = (released && this.released) || this.textures;
-    this.build(now);
+    this.build(now, layer);
     uniforms.displacements.value = textures.displacement;
     uniforms.magnification.value = magnification;
     uniforms.ofNodes.value = name === 'displacement';

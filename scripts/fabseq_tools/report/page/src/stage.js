@@ -18,6 +18,7 @@ export class Stage {
     this.onCamera = onCamera;
     this.camera = new THREE.OrthographicCamera();
     this.target = new THREE.Vector3();
+    this.middle = new THREE.Vector3();  // what home looks at
     this.flat = flat;
     this.controls = [];
     this.aim(size, plate);
@@ -48,17 +49,53 @@ export class Stage {
     this.goHome();
   }
 
-  goHome() {
-    this.target.set(0, 0, 0);
+  // Home is where the part's own elements just fit, and not all of its box.
+  frame({ built, grid, spacing, size }) {
     this.camera.position.copy(this.home);
+    this.camera.lookAt(0, 0, 0);
+    const axes = [0, 1].map((column) => new THREE.Vector3().setFromMatrixColumn(this.camera.matrix, column));
+    const ends = axes.map(() => [Infinity, -Infinity]);
+    const place = new THREE.Vector3();
+    built.forEach((there, i) => {
+      if (!there) return;
+      const cell = [i % grid[2], Math.floor(i / grid[2]) % grid[1], Math.floor(i / (grid[2] * grid[1]))];
+      place.set(...cell.map((at, k) => (at + 0.5) * spacing[k] - 0.5 * size[k]));
+      ends.forEach((end, k) => {
+        const along = place.dot(axes[k]);
+        ends[k] = [Math.min(end[0], along), Math.max(end[1], along)];
+      });
+    });
+    const edge = Math.hypot(...spacing);
+    const half = ends.map(([low, high]) => 0.5 * MARGIN * (high - low + edge));
+    this.half = { width: half[0], height: half[1] };
+    ends.forEach(([low, high], k) => this.middle.addScaledVector(axes[k], 0.5 * (low + high)));
+    this.goHome();
+  }
+
+  goHome() {
+    this.target.copy(this.middle);
+    this.camera.position.copy(this.home).add(this.middle);
     this.camera.zoom = 1;
     this.camera.lookAt(this.target);
     this.controls.forEach((one) => one.update());
     this.request();
   }
 
-  // A view is an element that the pointer turns the camera in, and a scene.
-  add(surface, scene) {
+  // Turns to a box, `lower` to `upper` from the corner of the part's box, whose middle is `half` from there: it fills
+  // that share of a view, if it does not have to be drawn `most` times larger than at home.
+  focus({ lower, upper }, half, share, most) {
+    const from = this.home.clone().normalize();
+    this.target.set(...half.map((length, k) => 0.5 * ((lower[k] ?? 0) + (upper[k] ?? 0)) - length));
+    this.camera.position.copy(from).setLength(this.reach).add(this.target);
+    const extent = Math.hypot(...half.map((_, k) => (upper[k] ?? 0) - (lower[k] ?? 0)));
+    this.camera.zoom = Math.min(Math.max((2 * share * this.half.height) / extent, 1), most);
+    this.controls.forEach((one) => one.update());
+    this.request();
+  }
+
+  // A view is an element that the pointer turns the camera in, and a scene. `afterwards`: is called with the camera
+  // once it is drawn.
+  add(surface, scene, afterwards = () => {}) {
     const controls = new OrbitControls(this.camera, surface);
     controls.target = this.target;
     controls.enableRotate = !this.flat;
@@ -73,7 +110,7 @@ export class Stage {
     controls.addEventListener('end', () => this.onCamera(this.cameraWords()));
     surface.addEventListener('keyup', () => this.onCamera(this.cameraWords()));
     this.controls.push(controls);
-    this.views.push({ surface, scene });
+    this.views.push({ surface, scene, afterwards });
   }
 
   // The camera as numbers for the address, lengths relative to the box: direction, target, zoom.
@@ -111,7 +148,7 @@ export class Stage {
     this.renderer.clear();
     this.renderer.setScissorTest(true);
     const eye = this.camera.position.clone().sub(this.target).normalize();
-    for (const { surface, scene } of this.views) {
+    for (const { surface, scene, afterwards } of this.views) {
       const box = surface.getBoundingClientRect();
       const frame = [box.left - all.left, all.bottom - box.bottom, box.width, box.height];
       this.renderer.setViewport(...frame);
@@ -119,6 +156,7 @@ export class Stage {
       this.fit(box.width / box.height);
       scene.traverse((mesh) => mesh.material?.uniforms?.eye?.value.copy(eye));
       this.renderer.render(scene, this.camera);
+      afterwards(this.camera);
     }
   }
 

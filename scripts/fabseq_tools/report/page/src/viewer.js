@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 // The views of the part side by side, and the controls above them.
 
+import { legendOf } from './answer.js';
 import { colourGradient, colourTable } from './colours.js';
 import { element } from './dom.js';
 import { colourTexture } from './material.js';
-import { Model, readPart } from './model.js';
+import { Model } from './model.js';
 import { number, plainBelow } from './numbers.js';
 import { Stage } from './stage.js';
 
@@ -12,8 +13,7 @@ const DRAWN = 0.1;       // of the box's longest edge: how far the largest displ
 const SECONDS = 8;       // of a build that is played
 
 // Returns a function that draws again.
-export async function buildViewer(place, data, address, remember) {
-  const parts = await Promise.all(data.scene.parts.map(readPart));
+export async function buildViewer(place, data, parts, address, remember) {
   const grid = element('div', { class: 'views' });
   const largest = [0, 1, 2].map((k) => Math.max(...parts.map((part) => part.size[k])));
   const stage = new Stage(grid, largest, parts[0].plate, parts.every((part) => part.flat), (words) => remember('camera', words));
@@ -32,11 +32,12 @@ async function buildView(grid, stage, part, packed) {
   const surface = element('div', { class: 'surface', tabindex: 0, role: 'img',
     'aria-label': `${packed.label} in 3D; arrow keys move it, with shift they turn it` });
   const [low, colours, high] = [element('span'), element('span', { class: 'colours' }), element('span')];
+  const kinds = element('div', { class: 'note' });
+  const legend = element('div', { class: 'legend' }, low, colours, high);
   const state = element('div', { class: 'state' });
-  grid.append(element('figure', {}, element('figcaption', {}, packed.label), surface,
-    element('div', { class: 'legend' }, low, colours, high), state));
+  grid.append(element('figure', {}, element('figcaption', {}, packed.label), surface, legend, kinds, state));
   stage.add(surface, model.scene);
-  return { model, packed, low, colours, high, state };
+  return { model, packed, legend, kinds, low, colours, high, state };
 }
 
 // Ranges of a view's fields, as built and, where it is stored, released.
@@ -48,7 +49,8 @@ class Viewer {
   constructor(data, views, stage, longest, address, remember) {
     Object.assign(this, { data, views, stage, remember });
     this.fields = data.scene.fields;
-    this.colours = Object.fromEntries(Object.values(this.fields).map(({ colours }) => [colours, colourTexture(colourTable(colours))]));
+    this.colours = Object.fromEntries(Object.values(this.fields).map(({ colours, kinds }) => [colours,
+      colourTexture(colourTable(colours, kinds))]));
     const most = Math.max(...views.flatMap(rangesOf).map((ranges) => ranges.displacement[1]));
     this.usualMagnification = most > 0 ? plainBelow((DRAWN * longest) / most) : 1;
     const known = (key, usual) => (Number.isFinite(Number(address.get(key) ?? NaN)) ? Number(address.get(key)) : usual);
@@ -113,8 +115,12 @@ class Viewer {
     for (const view of this.views) {
       const range = this.range(view);
       view.model.show(this.time, this.released, moved ? this.magnification : 0, this.field, range, this.colours[field.colours]);
-      view.colours.style.background = colourGradient(field.colours);
-      [view.low.textContent, view.high.textContent] = this.ends(range);
+      view.legend.style.display = field.kinds ? 'none' : '';
+      view.kinds.replaceChildren(...legendOf(field.kinds ?? []));
+      if (!field.kinds) {
+        view.colours.style.background = colourGradient(field.colours);
+        [view.low.textContent, view.high.textContent] = this.ends(range);
+      }
       const { share, layer, layers } = view.model.progress(this.time);
       view.state.textContent = [`${layers ? `layer ${layer} of ${layers}, ` : ''}${Math.round(100 * share)} % built`,
         ...this.notes(view)].join('; ');

@@ -1,0 +1,1 @@
+../scripts/fake_places.py
