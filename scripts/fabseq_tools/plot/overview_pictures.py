@@ -7,6 +7,7 @@ import numpy as np
 from fabseq_tools.geometry.grid import nodes_of
 from fabseq_tools.geometry.node_sets import measured_nodes
 from fabseq_tools.plot import render_part
+from fabseq_tools.run.check_words import failing_words
 from fabseq_tools.run.command_line import RunError, warn
 
 DRAWN_DISPLACEMENT = 0.12  # of the box's longest edge: how far the largest displacement is drawn, at most
@@ -34,6 +35,7 @@ class Pictures:
                                for u in self.displacements])
         self.measured = spread(self.part.nodes, marked_nodes(run), MOST_DOTS)
         self.layers, self.marks = len(layers), any(elements.any() for elements in failing)
+        self.failing_words = failing_words(run)
         self.chequers = any(elements.any() for elements in out_of_range)
         self.images = crop_together([*map(self.layered, layers, failing, out_of_range),
                                      *map(self.distorted, self.displacements, self.lengths)])

@@ -16,7 +16,6 @@ LINE = 0.25   # inches: height of a line below the headline
 LETTERS = 165  # of such a line, at most
 TITLE_LINE, TITLE_LETTERS = 0.38, 95  # the same of the headline
 BETWEEN_PANELS, BETWEEN_GROUPS = 0.01, 0.03  # of the width
-MARKED = "red: begins in the air, out of the torch's reach, or tilted too far"
 CHEQUERED = "chequered: thickness out of range"
 TITLE, HEADINGS, PICTURES, LEGENDS, CHARTS = range(5)  # rows
 LOOK = {"font.family": "DejaVu Sans", "font.size": 11, "text.color": INK, "axes.labelcolor": SOFT_INK,
@@ -96,7 +95,7 @@ class Panels:
         legend(sheet, middles[0], render_part.LAYER_COLOURS, "built first", "built last")
         legend(sheet, middles[1], render_part.DISPLACEMENT_COLOURS, "displacement  0", quantity(pictures.largest, unit))
         notes = ["grey: undistorted"] + ["dots: where distortion is measured"] * bool(len(pictures.measured))
-        marks = [MARKED] * pictures.marks + [CHEQUERED] * pictures.chequers
+        marks = [f"red: {pictures.failing_words}"] * pictures.marks + [CHEQUERED] * pictures.chequers
         if marks:
             sheet.text(middles[0], LEGENDS, 0.90, "      ".join(marks), ha="center", fontsize=10.5, color=SOFT_INK)
         sheet.text(middles[1], LEGENDS, 0.90, "      ".join(notes), ha="center", fontsize=10.5, color=SOFT_INK)
