@@ -21,7 +21,8 @@ def wedge_triangles(length, width, height):
 
 def cone_triangles(radius, height, around=24):
     """It stands on its point."""
-    rim = [(radius * math.cos(2 * math.pi * k / around), radius * math.sin(2 * math.pi * k / around), height) for k in range(around)]
+    angles = [2 * math.pi * k / around for k in range(around)]
+    rim = [(radius * math.cos(angle), radius * math.sin(angle), height) for angle in angles]
     for one, next_one in zip(rim, rim[1:] + rim[:1]):
         yield (0.0, 0.0, 0.0), next_one, one
         yield (0.0, 0.0, height), one, next_one

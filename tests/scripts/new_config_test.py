@@ -48,8 +48,9 @@ class NewConfigTest(NewConfigCase):
     def test_tilt_and_sequence(self):
         """60 degrees unless asked for another tilt. Guided with a limit below 90, unless asked for heat."""
         write_box(self.path("bar.stl"), (60.0, 20.0, 20.0))
-        for words, kind, tilt in (([], "guided", 60.0), (["--max-tilt", "180"], "heat", None), (["--max-tilt", "90"], "heat", 90.0),
-                                  (["--max-tilt", "45"], "guided", 45.0), (["--sequence", "heat"], "heat", 60.0),
+        for words, kind, tilt in (([], "guided", 60.0), (["--max-tilt", "45"], "guided", 45.0),
+                                  (["--max-tilt", "90"], "heat", 90.0), (["--max-tilt", "180"], "heat", None),
+                                  (["--sequence", "heat"], "heat", 60.0),
                                   (["--max-tilt", "180", "--sequence", "guided"], "guided", None)):
             printed = self.run_new("bar.stl", "--thickness", "8", "--overwrite", *words)
             config = read_config(self.path("bar.json"))
@@ -109,7 +110,8 @@ class NewConfigTest(NewConfigCase):
         material = read_config(self.path("wedge.json"))["material"]
         self.assertEqual((material["mass_density"], material["conductivity"]), (7850, 40.7))
         self.assertNotIn("rotate", read_config(self.path("wedge.json"))["part"]["mesh"])
-        self.run_new("wedge.stl", "--unit", "m", "--bead-height", "0.008", "--bead-width", "0.01", "--rotate", "0,90,0", "--overwrite")
+        self.run_new("wedge.stl", "--unit", "m", "--bead-height", "0.008", "--bead-width", "0.01", "--rotate", "0,90,0",
+                     "--overwrite")
         config = read_config(self.path("wedge.json"))
         self.assertEqual((config["constraints"][0]["target"], config["tool"]["bead_width"], config["tool"]["max_tilt"]),
                          (0.008, 0.01, 60.0))
@@ -133,7 +135,7 @@ class NewConfigTest(NewConfigCase):
                                      ("bar.stl", ["--material", "butter"], "--material: found butter; allowed: 308L, "),
                                      ("bar.stl", ["--thickness", "1e-4"], "one thick layer may stand for several"),
                                      ("bar.stl", ["--memory", "0.001"], "allowed: a larger bound"),
-                                     ("bar.stl", ["--max-tilt", "181"], "--max-tilt: found 181; allowed: degrees above 0, up to 180"),
+                                     ("bar.stl", ["--max-tilt", "181"], "--max-tilt: found 181; allowed: degrees above 0,"),
                                      ("bar.stl", ["--rotate", "-1,x,3"], "--rotate: found -1,x,3; allowed: degrees about x"),
                                      ("bar.stl", ["--rotate", "90,0"], "--rotate: found 90,0; allowed: degrees about x"),
                                      ("bar.stl", ["--iterations", "0"], "--iterations: found 0; allowed: an integer >= 1"),

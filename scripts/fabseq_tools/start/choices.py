@@ -103,8 +103,8 @@ class Element:
                        f"{found.edge:g} {self.unit}; allowed: a larger bound")
 
     def join(self):
-        """Smaller elements where those of the first size leave pieces off the plate that they join, or legs too
-        thin to be filled."""
+        """Smaller elements where those of the first size leave out pieces that they join, or legs too thin to
+        be filled."""
         best, edge = self.found, self.found.edge
         while best.lost() > FEW_LOST and rounded(FINER * edge) >= self.least_edge:
             edge = rounded(FINER * edge)
@@ -145,8 +145,9 @@ def refuse_hanging(arguments, found):
     """Raises RunError for pieces off the plate that shall not be left out."""
     if found.hanging and arguments.keep == "all":
         one = found.hanging == 1
-        raise RunError(f"{arguments.part}: {found.hanging} piece{'s' * (not one)} of the part, {percent(found.share_hanging)} of its "
-                       f"volume, {'stands' if one else 'stand'} neither on the plate nor on the rest, with elements of "
+        share = percent(found.share_hanging)
+        raise RunError(f"{arguments.part}: {found.hanging} piece{'s' * (not one)} of the part, {share} of its volume, "
+                       f"{'stands' if one else 'stand'} neither on the plate nor on the rest, with elements of "
                        f"{found.edge:g} {arguments.unit}; allowed: --keep connected, which leaves {'it' if one else 'them'} out, "
                        "smaller elements (--elements), or another mesh")
 

@@ -41,7 +41,8 @@ def entries_of(arguments, look, element, material, target, why_target, count):
               "What holds: the machine's limits, so that the result can be built. The verdict of the run says whether it can."),
         Entry("tool", tool_of(arguments),
               "The machine: put in your own. thickness is the range of local thickness that can be deposited, relative to the "
-              f"layers'. {tilt_words(arguments)} profile adds the torch, whose reach is then checked; the constraint tool_clearance keeps it free."),
+              f"layers'. {tilt_words(arguments)} profile adds the torch, whose reach is then checked; the constraint "
+              "tool_clearance keeps it free."),
         Entry("baseline", {"direction": "best"},
               "The result is compared with upright planar layers, and with planar ones in the best of several directions within "
               "the tilt limit: a machine that tilts builds them without any optimized sequence."),

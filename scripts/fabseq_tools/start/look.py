@@ -74,8 +74,9 @@ class Look:
     def why_floor(self, found):
         what = ("The pieces below, on the plate, are the smaller ones: they are" if self.floor else
                 "Below, no element is half full: what lies there (a point, an edge, a thin leg, a loose piece) is")
-        return (f"The part begins {found.floor:.4g} {self.arguments.unit} above the mesh's lowest point (domain.origin). {what} cut "
-                f"off, {percent(found.share_below) if found.share_below else 'less than 1 %'} of the volume")
+        share = percent(found.share_below) if found.share_below else "less than 1 %"
+        return (f"The part begins {found.floor:.4g} {self.arguments.unit} above the mesh's lowest point (domain.origin). {what} "
+                f"cut off, {share} of the volume")
 
     def mesh(self):
         scale = {"scale": self.arguments.scale} if self.arguments.scale != 1.0 else {}
@@ -109,8 +110,8 @@ class Look:
         return [point(end) for end in found.groups()]
 
     def at(self, edge):
-        """Where no element lies on the plate, as the part runs out to a point or an edge there, it begins with
-        the lowest element."""
+        """Where no element lies on the plate, as the part runs out to a point or an edge there, it begins
+        with the lowest element."""
         self.progress.say(f"the part with elements of {edge:.3g} {self.arguments.unit}")
         floor = self.floor
         for _ in range(MOST_LOOKS):

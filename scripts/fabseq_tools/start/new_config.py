@@ -20,10 +20,10 @@ of several sizes. What is chosen stands in the config, each with the reason as a
 - The sequence: with less than 90 degrees of tilt guided, which leans no further; else heat. --sequence says
   otherwise.
 - Which way up: as in the file, or turned about x, y and z by the degrees of --rotate, one after the other.
-- Pieces that stand neither on the plate nor on the rest are left out, with their share of the volume; smaller
-  elements are tried first, where they may join them. Should that be the most of the part, the plate is moved up
-  to it, and what lies below is cut off, as is a point or an edge on which the part would stand. --keep
-  connected keeps what stands on the plate, however little; --keep all refuses pieces off it.
+- Pieces that stand neither on the plate nor on the rest are left out, and a warning says their share of the
+  volume. Smaller elements are tried first, where they may join them. For a piece that is most of the part,
+  the plate is moved up (domain.origin), and what lies below is cut off, as is a point or an edge on which the
+  part would stand. --keep connected keeps what stands on the plate instead; --keep all refuses pieces off it.
 - The objective: the shape of the skin after the release (of several pieces on one plate: before it), and, of
   heat, even layers. Constraints: the thickness of each layer and, place by place, the range of
   tool.thickness; a whole last layer; no element begins in the air; the tilt, if it has a limit.
@@ -81,7 +81,7 @@ def main(words):
         for line in entry.lines():
             print(line)
     if arguments.usual_tilt:
-        print(f"tilt: at most {USUAL_TILT:g} degrees between torch and plate's normal; --max-tilt says otherwise, 180 is no limit")
+        print(f"tilt: at most {USUAL_TILT:g} degrees between torch and plate's normal; --max-tilt says otherwise, 180: no limit")
     for text in warnings:
         warn(COMMAND, text)
     print(f"{output}: written; look at it, then run it with")

@@ -28,9 +28,9 @@ def row_of(run, target):
     `objective`: length of the first distortion; `skin`, `skin_released`: root mean square of how far the skin
     deviates from its shape, as built and after the release; `spread`: how much of the first length the
     scenarios of the strain change; `thickness`: local thickness between its 1st and 99th percentile, relative
-    to the target; `beyond_tilt`: share of the part, with a limit of the tilt; `largest_tilt`: in degrees, without
-    one; `satisfied`, `violated`: the program's verdict, and its reasons in words. Keys of what the run does not
-    have are None."""
+    to the target; `beyond_tilt`: share of the part, with a limit of the tilt; `largest_tilt`: in degrees,
+    without one; `satisfied`, `violated`: the program's verdict, and its reasons in words. Keys of what the
+    run does not have are None."""
     state = result_of(run)
     block = run.summary[state]
     if "verdict" not in block:
