@@ -25,13 +25,15 @@ from fabseq_tools.study.compare_families import FIRST, add_scan
 from fabseq_tools.study.comparison import Comparison
 from fabseq_tools.study.figures import COLUMNS, cells, headings
 
+SHOWN = {key: column for key, column in COLUMNS.items() if key != "largest_tilt"}  # each case limits the tilt
+
 
 def main():
     parser = parser_of_cases(__doc__, "machine")
     add_scan(parser)
     parser.add_argument("--thinner", action="store_true", help="the table of thinner layers")
     arguments, cases = parse_cases(parser)
-    head = ["part", "gain", *THINNER] if arguments.thinner else ["part", FIRST[1], *headings(COLUMNS)]
+    head = ["part", "gain", *THINNER] if arguments.thinner else ["part", FIRST[1], *headings(SHOWN)]
     print_line(head)
     print_line(["---"] * len(head))
     for name in arguments.names or cases.table:
@@ -47,7 +49,7 @@ def main():
 def kinds(comparison, arguments):
     """A row for each kind of layers."""
     for row in comparison.rows([], arguments.step, arguments.azimuths):
-        yield cells(row, FIRST[0], COLUMNS)
+        yield cells(row, FIRST[0], SHOWN)
 
 
 def thinner(comparison, _):

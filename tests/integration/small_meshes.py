@@ -2,6 +2,7 @@
 """STL files of bodies of a few triangles."""
 
 import itertools
+import math
 
 
 def box_triangles(low, high):
@@ -16,6 +17,15 @@ def wedge_triangles(length, width, height):
     corners = [(0, 0, 0), (length, 0, 0), (0, 0, height), (0, width, 0), (length, width, 0), (0, width, height)]
     faces = (0, 1, 2), (3, 5, 4), (0, 3, 4), (0, 4, 1), (1, 4, 5), (1, 5, 2), (0, 2, 5), (0, 5, 3)
     return [[corners[i] for i in face] for face in faces]
+
+
+def cone_triangles(radius, height, around=24):
+    """It stands on its point."""
+    angles = [2 * math.pi * k / around for k in range(around)]
+    rim = [(radius * math.cos(angle), radius * math.sin(angle), height) for angle in angles]
+    for one, next_one in zip(rim, rim[1:] + rim[:1]):
+        yield (0.0, 0.0, 0.0), next_one, one
+        yield (0.0, 0.0, height), one, next_one
 
 
 def write_stl(path, triangles):

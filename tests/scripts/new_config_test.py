@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: MIT
 """fabseq-tools new: what it chooses for small parts, and that the program takes what it writes."""
 
+import math
 import os
+import re
 import subprocess
-import sys
 import tempfile
 import unittest
 from pathlib import Path
@@ -12,33 +13,11 @@ from pathlib import Path
 from fabseq_tools.run.read_run import read_config
 from fabseq_tools.start.config_text import Entry, config_text, plain
 
-from run_fabseq import PROGRAM
+from new_config_case import NewConfigCase
 from small_meshes import box_triangles, wedge_triangles, write_box, write_stl
 
-PROJECT = Path(__file__).resolve().parents[2]
-TOOLS = PROJECT / "scripts/fabseq-tools"
 
-
-class NewConfigTest(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = folder.name
-
-    def path(self, name):
-        return os.path.join(self.folder, name)
-
-    def run_new(self, part, *words, status=0):
-        """What it prints, in the folder; with another status than 0 its one line."""
-        done = subprocess.run([sys.executable, TOOLS, "new", part, *words], capture_output=True, text=True, check=False,
-                              cwd=self.folder, env=os.environ | {"FABSEQ_PROGRAM": PROGRAM})
-        self.assertEqual(done.returncode, status, done.stderr)
-        self.warnings = "".join(line for line in done.stderr.splitlines(True) if not line.startswith("new: "))  # no progress
-        if status:
-            self.assertEqual((done.stdout, self.warnings.count("\n")), ("", 1), done.stderr)
-            return self.warnings
-        return done.stdout
-
+class NewConfigTest(NewConfigCase):
     def test_box(self):
         """Its config is taken; the printed command runs it, from a path that needs quotes."""
         os.mkdir(self.path("it's a part"))
@@ -66,56 +45,43 @@ class NewConfigTest(unittest.TestCase):
         self.assertIn("exists; allowed: another --output, or --overwrite",
                       self.run_new("it's a part/bar.stl", "-o", "it's a part/case.json", status=2))
 
-    def test_kind_of_sequence(self):
-        """Guided with a limit of the tilt, unless asked for heat or the limit is none."""
+    def test_tilt_and_sequence(self):
+        """60 degrees unless asked for another tilt. Guided with a limit below 90, unless asked for heat."""
         write_box(self.path("bar.stl"), (60.0, 20.0, 20.0))
-        for words, kind in (([], "heat"), (["--max-tilt", "90"], "heat"), (["--max-tilt", "45"], "guided"),
-                            (["--max-tilt", "45", "--sequence", "heat"], "heat"), (["--sequence", "guided"], "guided")):
-            self.run_new("bar.stl", "--thickness", "8", "--overwrite", *words)
+        for words, kind, tilt in (([], "guided", 60.0), (["--max-tilt", "45"], "guided", 45.0),
+                                  (["--max-tilt", "90"], "heat", 90.0), (["--max-tilt", "180"], "heat", None),
+                                  (["--sequence", "heat"], "heat", 60.0),
+                                  (["--max-tilt", "180", "--sequence", "guided"], "guided", None)):
+            printed = self.run_new("bar.stl", "--thickness", "8", "--overwrite", *words)
             config = read_config(self.path("bar.json"))
             self.assertEqual(config["sequence"]["type"], kind)
             self.assertEqual(config["sequence"].get("characteristic_length"), 24.0 if kind == "heat" else None)
+            self.assertEqual((config["tool"].get("max_tilt"), config["tool"].get("axis")), (tilt, "normal" if tilt else None))
             types = [one["type"] for one in config["constraints"]]
-            self.assertEqual(("tilt" in types, types[-1]), ("--max-tilt" in words, "supported"))
+            self.assertEqual(("tilt" in types, types[-1]), (tilt is not None, "supported"))
             self.assertEqual("layer_uniformity" in [one["type"] for one in config["objective"]], kind == "heat")
+            self.assertEqual(sum(line.startswith("tilt: at most 60 degrees") for line in printed.splitlines()),
+                             int("--max-tilt" not in words))
             self.assertEqual(self.warnings, "")
 
-    def check(self, config):
-        """What the program says of a config."""
-        return subprocess.run([PROGRAM, "-config", config, "-task", "check"], capture_output=True, text=True, check=False,
-                              cwd=self.folder)
-
-    def test_several_pieces_on_the_plate(self):
-        """They have no release."""
-        low, high = box_triangles((0.0, 0.0, 0.0), (20.0, 20.0, 20.0)), box_triangles((40.0, 0.0, 0.0), (60.0, 20.0, 30.0))
-        write_stl(self.path("posts.stl"), [*low, *high])
-        for words in ([], ["--max-tilt", "45"]):
-            printed = self.run_new("posts.stl", "--thickness", "8", "--overwrite", *words)
-            self.assertEqual(self.warnings, "fabseq-tools new: warning: 2 pieces stand on the plate: they have no release, so "
-                             "what is made small is the shape on the plate\n")
-            config = read_config(self.path("posts.json"))
-            self.assertEqual(config["objective"][0], {"type": "distortion", "measure": "shape", "nodes": "skin"})
-            self.assertIn("2 pieces stand there", printed)
-            done = self.check("posts.json")
+    def test_rotate(self):
+        """The grid is that of the turned surface; degrees may begin with a minus."""
+        write_box(self.path("bar.stl"), (60.0, 20.0, 10.0))
+        for words, turns, size in ((["--rotate", "0,90,0"], [["y", 90.0]], [10.0, 20.0, 60.0]),
+                                   (["--rotate", "-90,0,90"], [["x", -90.0], ["z", 90.0]], [10.0, 60.0, 20.0]),
+                                   (["--rotate=-33,12,0"], [["x", -33.0], ["y", 12.0]], None)):
+            self.run_new("bar.stl", "--thickness", "4", "--overwrite", *words)
+            config = read_config(self.path("bar.json"))
+            self.assertEqual(config["part"]["mesh"]["rotate"], turns)
+            done = self.check("bar.json")
             self.assertEqual(done.returncode, 0, done.stderr)
-            self.assertIn("pieces: 2", done.stdout)
-
-    def test_pieces_off_the_plate(self):
-        """Small ones are left out with a word, large ones if asked for."""
-        for name, height in (("stray", 4.0), ("half", 20.0)):
-            bar = box_triangles((0.0, 0.0, 0.0), (60.0, 20.0, 20.0))
-            piece = box_triangles((0.0, 0.0, 40.0), (height, height, 40.0 + height))
-            write_stl(self.path(name + ".stl"), [*bar, *piece])
-        for name, words in (("stray", []), ("half", ["--keep", "connected"])):
-            printed = self.run_new(f"{name}.stl", "--thickness", "8", *words)
-            self.assertRegex(self.warnings, r"^fabseq-tools new: warning: /part: 1 piece is not connected to .*; dropped\n$")
-            self.assertIn("keep leaves out 1 piece off the plate", printed)
-            self.assertEqual(read_config(self.path(name + ".json"))["part"]["keep"], "connected")
-            self.assertEqual(self.check(name + ".json").returncode, 0)
-        for name, words, share in (("stray", ["--keep", "all"], 0.27), ("half", [], 25)):
-            line = self.run_new(f"{name}.stl", "--thickness", "8", "--overwrite", *words, status=2)
-            self.assertIn(f"1 piece of the part, {share} % of it, stands neither on the plate nor on the rest", line)
-            self.assertIn("allowed: --keep connected", line)
+            if size:
+                self.assertEqual(config["layers"]["count"], math.ceil(1.05 * size[2] / 4))
+                (box,) = re.findall(r"^placed in \[(.*)\] to \[(.*)\]$", done.stdout, re.MULTILINE)
+                low, high = ([float(x) for x in end.split(",")] for end in box)
+                self.assertEqual([b - a for a, b in zip(low, high)], size)
+        self.run_new("bar.stl", "--rotate", "0,0,0", "--overwrite")
+        self.assertNotIn("rotate", read_config(self.path("bar.json"))["part"]["mesh"])
 
     def test_thin_wall(self):
         """Three elements across it where the bound allows, else a warning and a config that is taken."""
@@ -143,6 +109,14 @@ class NewConfigTest(unittest.TestCase):
         self.assertNotIn("expected: ", self.warnings)  # of the program, in metres or inches
         material = read_config(self.path("wedge.json"))["material"]
         self.assertEqual((material["mass_density"], material["conductivity"]), (7850, 40.7))
+        self.assertNotIn("rotate", read_config(self.path("wedge.json"))["part"]["mesh"])
+        self.run_new("wedge.stl", "--unit", "m", "--bead-height", "0.008", "--bead-width", "0.01", "--rotate", "0,90,0",
+                     "--overwrite")
+        config = read_config(self.path("wedge.json"))
+        self.assertEqual((config["constraints"][0]["target"], config["tool"]["bead_width"], config["tool"]["max_tilt"]),
+                         (0.008, 0.01, 60.0))
+        self.assertGreaterEqual(config["layers"]["count"], 6)  # of 40 mm
+        self.assertEqual(self.check("wedge.json").returncode, 0)
         self.run_new("wedge.stl", "--unit", "inches", "--scale", "39.37", "--thickness", "0.3", "--overwrite")
         self.assertNotIn("expected: ", self.warnings)  # of the program, in metres or inches
         material = read_config(self.path("wedge.json"))["material"]
@@ -161,6 +135,9 @@ class NewConfigTest(unittest.TestCase):
                                      ("bar.stl", ["--material", "butter"], "--material: found butter; allowed: 308L, "),
                                      ("bar.stl", ["--thickness", "1e-4"], "one thick layer may stand for several"),
                                      ("bar.stl", ["--memory", "0.001"], "allowed: a larger bound"),
+                                     ("bar.stl", ["--max-tilt", "181"], "--max-tilt: found 181; allowed: degrees above 0,"),
+                                     ("bar.stl", ["--rotate", "-1,x,3"], "--rotate: found -1,x,3; allowed: degrees about x"),
+                                     ("bar.stl", ["--rotate", "90,0"], "--rotate: found 90,0; allowed: degrees about x"),
                                      ("bar.stl", ["--iterations", "0"], "--iterations: found 0; allowed: an integer >= 1"),
                                      ("bar.stl", ["--program", "no-such-program"], "no-such-program: no such program")):
             self.assertIn(message, self.run_new(part, *words, status=2))

@@ -132,7 +132,7 @@ def check_rows(figures, columns):
     """Rows of those figures that a column has; a column is a run and its state."""
     rows = []
     for words, (value, show) in figures.items():
-        values = [value(run.summary.get(state, {})) for run, state in columns]
+        values = [value(run, state) for run, state in columns]
         if any(value is not None for value in values):
             rows.append((words, [cell(value, show or digits) for value in values]))
     return rows

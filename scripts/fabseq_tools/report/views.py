@@ -11,7 +11,7 @@ import numpy as np
 from fabseq_tools.geometry.grid import element_edges, nodes_of
 from fabseq_tools.geometry.slopes import element_slopes, node_slopes
 from fabseq_tools.report.words import unit_of
-from fabseq_tools.run.check_words import percent, thickness_limits
+from fabseq_tools.run.check_words import percent, thickness_limits, tilt_limit
 from fabseq_tools.run.verdict_words import FAULTS, GROUPS
 from fabseq_tools.run.words import number
 
@@ -93,7 +93,7 @@ def field_notes(run, fields):
             count = int((fields[name][part] > 0).sum())
             notes[name] = f"{count:,} element{'s' * (count != 1)} {words}"
     if "tilt" in fields:
-        notes["tilt"] = f"up to {number(np.max(fields['tilt'][part]))} degrees"
+        notes["tilt"] = f"up to {number(np.max(fields['tilt'][part]))} degrees{'' if tilt_limit(run) else ', no limit'}"
     if "interpass_temperature" in fields:
         least, largest = (number(end(fields["interpass_temperature"][part])) for end in (np.min, np.max))
         notes["interpass_temperature"] = f"between {least} and {largest} °C"

@@ -5,6 +5,7 @@ overview."""
 from fabseq_tools.run.read_run import target_thickness
 from fabseq_tools.run.words import alike, number, quantity
 
+ANY_TILT = 180.0  # degrees: from here on tool.max_tilt is no limit
 USUAL_RANGE = [0.5, 1.5]  # of tool.thickness
 
 
@@ -96,10 +97,27 @@ def tilt_words(run):
             f"{percent(found['share'])} of the part{', with the optimized layers' * (state == 'binary')}.")
 
 
+def tilt_limit(run):
+    """In degrees; None where the machine may tilt as far as it likes."""
+    limit = run.config.get("tool", {}).get("max_tilt", ANY_TILT)
+    return limit if limit < ANY_TILT else None
+
+
 def most_tilt(run=None):
     """With the figure, where the run has one."""
-    limit = run.config.get("tool", {}).get("max_tilt") if run else None
+    limit = tilt_limit(run) if run else None
     return "its limit" if limit is None else f"{limit:g} degrees"
+
+
+def largest_tilt(run, state):
+    """In degrees, with a word where there is no limit that it could keep; None where nothing is known."""
+    largest = torch(run, state, "tilt").get("largest")
+    return largest if largest is None or tilt_limit(run) else f"{largest:.3g} (no limit)"
+
+
+def share_beyond(run, state):
+    """Of the part, with more tilt than the limit; None without one."""
+    return torch(run, state, "tilt").get("share") if tilt_limit(run) else None
 
 
 def stress_words(run):
@@ -139,26 +157,32 @@ def thickness_limits(run):
 
 
 def check_figures(run=None):
-    """Rows of a table by heading, "" for the first ones: for each row's words a function from a state's block
-    to its value, and one from the value to text or None."""
+    """Rows of a table by heading, "" for the first ones: for each row's words a function from a run and the
+    name of a state to its value, and one from the value to text or None."""
     limits = run and thickness_limits(run)
     span = " to ".join(map(number, limits)) if limits else "its range"
     limit = yield_words(run)
     thickness = ("checks", "local_thickness")
-    return {"": {"local thickness, least": (inner(*thickness, "least"), None),
-                 "local thickness, largest": (inner(*thickness, "largest"), None),
-                 f"local thickness outside {span}, share of the part": (inner(*thickness, "share_outside"), percent)},
-            "Building": {"elements that begin in the air": (inner("checks", "hanging", "elements"), None),
-                         "build time, hours": (inner("build_hours"), None),
-                         "wire, kg": (inner("wire_mass"), None)},
-            "Torch": {"elements out of its reach": (inner("checks", "blocked", "elements"), None),
-                      "their share of the part": (inner("checks", "blocked", "share"), percent),
-                      "deepest collision": (inner("checks", "blocked", "deepest"), None),
-                      "largest tilt, degrees": (inner("checks", "tilt", "largest"), None),
-                      f"tilted by more than {most_tilt(run)}, share of the part": (inner("checks", "tilt", "share"), percent)},
+    return {"": {"local thickness, least": (of_state(*thickness, "least"), None),
+                 "local thickness, largest": (of_state(*thickness, "largest"), None),
+                 f"local thickness outside {span}, share of the part": (of_state(*thickness, "share_outside"), percent)},
+            "Building": {"elements that begin in the air": (of_state("checks", "hanging", "elements"), None),
+                         "build time, hours": (of_state("build_hours"), None),
+                         "wire, kg": (of_state("wire_mass"), None)},
+            "Torch": {"elements out of its reach": (of_state("checks", "blocked", "elements"), None),
+                      "their share of the part": (of_state("checks", "blocked", "share"), percent),
+                      "deepest collision": (of_state("checks", "blocked", "deepest"), None),
+                      "largest tilt, degrees": (largest_tilt, None),
+                      f"tilted by more than {most_tilt(run)}, share of the part": (share_beyond, percent)},
             "Residual stress": {"largest equivalent stress": (largest_stress, None),
-                                "the same after the release": (inner("released", "residual_stress", "von_mises"), None),
-                                f"share of the part above {limit}": (inner("stress", "share_beyond_yield"), percent)}}
+                                "the same after the release": (of_state("released", "residual_stress", "von_mises"), None),
+                                f"share of the part above {limit}": (of_state("stress", "share_beyond_yield"), percent)}}
+
+
+def of_state(*names):
+    """The function from a run and a state to what lies that deep in its block of the summary."""
+    value = inner(*names)
+    return lambda run, state: value(run.summary.get(state))
 
 
 def inner(*names):
@@ -171,5 +195,6 @@ def inner(*names):
     return value
 
 
-def largest_stress(block):
+def largest_stress(run, state):
+    block = run.summary.get(state, {})
     return (block.get("stress") or block.get("residual_stress") or {}).get("von_mises")

@@ -1,107 +1,24 @@
 # SPDX-License-Identifier: MIT
 """What a config for a mesh needs, chosen from what the program says of the part (-task check)."""
 
-import dataclasses
 import math
-import os
-import re
 
-from fabseq_tools.run.command_line import RunError, reason_of, run_command, write_json
+from fabseq_tools.run.check_words import percent
+from fabseq_tools.run.command_line import RunError
 from fabseq_tools.start.config_text import plain
 from fabseq_tools.start.entries import entries_of
+from fabseq_tools.start.look import MOST_LOOKS, OUTSIDE, found_in
 from fabseq_tools.start.materials import material_of
 
-MOST_ELEMENTS, FIRST_LOOK = 50_000, 3_000  # of the part: by default, and of the first grid
+MOST_ELEMENTS = 50_000   # of the part: by default
 ACROSS_WALL, ACROSS_LAYER, LEAST_ACROSS_LAYER = 3, 4, 2.5  # elements (docs/how-to/choose-what-to-optimize.md)
 NEAR_BOUND = 0.8         # from this share of a bound on, elements are small enough
 CLOSE = 1.06             # between two edges that are tried
 EXCESS = 1.05            # of the layers over the geodesic height
-USUAL_LAYERS, MOST_LAYERS = 16, 10_000
-MOST_LOOKS = 8           # for one choice
-BEYOND_ANY_PART = 1e12   # an element of this edge is filled by no mesh
+MOST_LAYERS = 10_000
 PROGRAM_ALONE = 0.06     # GB of a run without elements
-MOST_HANGING = 0.05      # of the elements, off the plate: what is left out unless told otherwise
-
-
-@dataclasses.dataclass
-class Found:
-    """What the program says of the part with elements of one size. `wall`: elements across the thinnest; 5 if
-    there are more, and then `wall_at` is no place."""
-
-    edge: float
-    elements: int
-    volume: float
-    wall: float
-    wall_at: str
-    geodesic: float
-    contact: int
-    memory: float
-    seconds: float
-    warnings: list
-    standing: int        # pieces on the plate
-    hanging: int         # pieces off it, which are left out
-    share_hanging: float  # of the elements of all
-
-
-class Look:
-    """Asks the program. `size`: edge lengths of the mesh's box."""
-
-    def __init__(self, arguments, folder, progress):
-        self.arguments, self.folder, self.progress = arguments, folder, progress
-        self.layers = USUAL_LAYERS
-        self.size = self.size_of_mesh()
-
-    def check(self, content):
-        """What it prints, and its warnings. Raises RunError with its own line."""
-        path = os.path.join(self.folder, "look.json")
-        write_json(path, content)
-        try:
-            done = run_command([self.arguments.program, "-config", path, "-task", "check"])
-        except RunError as error:
-            raise RunError(reason_of(error)) from error
-        return done.stdout, [line.removeprefix("warning: ") for line in done.stderr.splitlines() if line.startswith("warning: ")]
-
-    def mesh(self):
-        scale = {"scale": self.arguments.scale} if self.arguments.scale != 1.0 else {}
-        return {"file": os.path.abspath(self.arguments.part), **scale}
-
-    def coarse(self, edge):
-        """A config that the program takes however thin walls are."""
-        return {"domain": {"element": edge, "unit": self.arguments.unit},
-                "part": {"mesh": {**self.mesh(), "least_elements": 0}, "keep": "connected"},
-                "sequence": {"type": "heat"}, "layers": {"count": self.layers}, "node_sets": {"all": {"all": True}},
-                "objective": [{"type": "distortion", "nodes": "all"}]}
-
-    def size_of_mesh(self):
-        try:
-            printed, _ = self.check(self.coarse(BEYOND_ANY_PART))
-        except RunError as error:
-            printed = str(error)
-        found = re.search(r"the mesh, which lies between \[(.*?)\] and \[(.*?)\]", printed)
-        if not found:
-            raise RunError(printed)
-        low, high = ([float(x) for x in end.split(",")] for end in found.groups())
-        return [b - a for a, b in zip(low, high)]
-
-    def at(self, edge):
-        self.progress.say(f"the part with elements of {edge:.3g} {self.arguments.unit}")
-        return found_in(edge, *self.check(self.coarse(edge)))
-
-    def first(self):
-        """The part with some thousand elements: more where it fills little of its box, or is thin."""
-        edge = (math.prod(max(e, max(self.size) / 50) for e in self.size) / FIRST_LOOK) ** (1 / 3)
-        for _ in range(MOST_LOOKS):
-            try:
-                found = self.at(edge)
-                if found.elements >= FIRST_LOOK / 10:
-                    return found
-                reason = None
-            except RunError as error:
-                reason = error
-            edge *= 0.6
-        if reason:
-            raise reason
-        return found
+FEW_LOST = 0.01          # of the part: more of it is worth smaller elements
+FINER = 0.75             # times the edge, where smaller elements may hold more of it
 
 
 def layers_for(found, target):
@@ -110,25 +27,6 @@ def layers_for(found, target):
         raise RunError(f"layers of {target:g} make {count:,} of the geodesic height {found.geodesic:g}; allowed: {MOST_LAYERS:,} "
                        "at most; one thick layer may stand for several")
     return count
-
-
-def found_in(edge, printed, warnings):
-    def one(pattern):
-        found = re.search(pattern, printed, re.MULTILINE)
-        if not found:
-            raise RunError(f"the program's -task check says nothing of {pattern}: is it of another version?")
-        return found
-
-    pieces = re.findall(r"^  (\d+) elements in .*, (on|not on) the plate$", printed, re.MULTILINE)  # the ten largest
-    dropped = re.search(r"^/part: (\d+) pieces? (?:is|are) not connected", "\n".join(warnings), re.MULTILINE)
-    hanging = int(dropped[1]) if dropped else 0
-    off_plate = [int(count) for count, where in pieces if where == "not on"]
-    lost = sum(off_plate) + (hanging - len(off_plate)) * int(pieces[-1][0])
-    part, wall = one(r"^part: (\d+) elements.* volume (\S+)"), one(r"^thinnest wall: (\S+) elements(?: at (\S+))?")
-    estimate = one(r"^estimate .*memory (\S+) GB, (\S+) s an iteration")
-    return Found(edge, int(part[1]), float(part[2]), float(wall[1]), wall[2] or "", float(one(r"geodesic (\S+)$")[1]),
-                 int(one(r"^plate contact: (\d+)")[1]), float(estimate[1]), float(estimate[2]), warnings,
-                 int(one(r"^pieces: (\d+)")[1]) - hanging, hanging, lost / (lost + int(part[1])))
 
 
 def rounded(value):
@@ -141,16 +39,24 @@ class Element:
     """The element's edge as `found.edge`, why, and how many elements a wall may have at least."""
 
     def __init__(self, arguments, look, target):
-        self.arguments, self.look, self.unit = arguments, look, arguments.unit
-        first = look.first()
+        self.arguments, self.look, self.unit, self.target = arguments, look, arguments.unit, target
+        self.warnings, self.least_elements = [], None
+        self.start()
+        if self.found.most_hangs() and arguments.keep is None:
+            look.floor = self.found.lowest
+            self.start()
+        self.refine()
+
+    def start(self):
+        """With elements of the wanted size, or with smaller ones that hold the part together."""
+        first, target = self.look.first(), self.target
         if target:
-            look.layers = layers_for(first, target)
+            self.look.layers = layers_for(first, target)
         self.least_edge = self.edge_of_bound(first)
         wanted = target / ACROSS_LAYER if target else max(self.least_edge, (first.volume / MOST_ELEMENTS) ** (1 / 3))
         self.why = [f"a quarter of a layer of {target:g} {self.unit}" if target else self.bound()]
-        self.warnings, self.least_elements = [], None
         self.found = self.within_bound(wanted)
-        self.refine()
+        self.join()
 
     def bound(self):
         if self.arguments.memory:
@@ -159,14 +65,17 @@ class Element:
 
     def fits(self, found):
         if self.arguments.memory:
-            return found.memory <= self.arguments.memory
-        return found.elements <= (self.arguments.elements or MOST_ELEMENTS)
+            return self.memory(found) <= self.arguments.memory
+        return self.look.counted(found) <= (self.arguments.elements or MOST_ELEMENTS)
+
+    def memory(self, found):
+        return found.memory * self.look.counted(found) / found.elements
 
     def usage(self, found):
         """Of the bound, as a share."""
         if self.arguments.memory:
-            return max(found.memory - PROGRAM_ALONE, 0.01) / max(self.arguments.memory - PROGRAM_ALONE, 0.01)
-        return found.elements / (self.arguments.elements or MOST_ELEMENTS)
+            return max(self.memory(found) - PROGRAM_ALONE, 0.01) / max(self.arguments.memory - PROGRAM_ALONE, 0.01)
+        return self.look.counted(found) / (self.arguments.elements or MOST_ELEMENTS)
 
     def edge_of_bound(self, found):
         """The smallest edge within the bound, about."""
@@ -193,6 +102,21 @@ class Element:
         raise RunError(f"{self.bound()}: found {found.elements:,} elements and {found.memory:g} GB still with elements of "
                        f"{found.edge:g} {self.unit}; allowed: a larger bound")
 
+    def join(self):
+        """Smaller elements where those of the first size leave out pieces that they join, or legs too thin to
+        be filled."""
+        best, edge = self.found, self.found.edge
+        while best.lost() > FEW_LOST and rounded(FINER * edge) >= self.least_edge:
+            edge = rounded(FINER * edge)
+            found = self.look.at(edge)
+            if not self.fits(found):
+                break
+            if found.lost() < 0.5 * best.lost():
+                best = found
+        if best is not self.found:
+            self.why = [f"with larger ones {percent(self.found.lost())} of the part would be left out"]
+            self.found = best
+
     def refine(self):
         """Smaller elements until three lie across the thinnest wall. Where the part runs out to an edge, they
         find ever thinner places, and the first size stays."""
@@ -217,17 +141,25 @@ class Element:
                              "there, nothing is lost; else bending there is a rough guess")
 
 
-def require_on_plate(arguments, found):
-    """Raises RunError for pieces off the plate that shall not be left out, or, unless asked for, are too much
-    of the part for that."""
-    if not found.hanging or arguments.keep == "connected":
-        return
-    if arguments.keep == "all" or found.share_hanging > MOST_HANGING:
-        what = f"{found.hanging} piece{'s' * (found.hanging > 1)} of the part"
-        raise RunError(f"{arguments.part}: {what}, {100 * found.share_hanging:.2g} % of it, "
-                       f"{'stands' if found.hanging == 1 else 'stand'} neither on the plate nor on the rest, with elements of "
-                       f"{found.edge:g} {arguments.unit}; allowed: --keep connected, which leaves out "
-                       f"{'it' if found.hanging == 1 else 'them'}, smaller elements (--elements), or another mesh")
+def refuse_hanging(arguments, found):
+    """Raises RunError for pieces off the plate that shall not be left out."""
+    if found.hanging and arguments.keep == "all":
+        one = found.hanging == 1
+        share = percent(found.share_hanging)
+        raise RunError(f"{arguments.part}: {found.hanging} piece{'s' * (not one)} of the part, {share} of its volume, "
+                       f"{'stands' if one else 'stand'} neither on the plate nor on the rest, with elements of "
+                       f"{found.edge:g} {arguments.unit}; allowed: --keep connected, which leaves {'it' if one else 'them'} out, "
+                       "smaller elements (--elements), or another mesh")
+
+
+def warnings_of(text, found):
+    """What is worth saying of a warning of the program."""
+    if text.startswith("/layers: layers of ") or OUTSIDE.match(text):  # this tool has said so
+        return []
+    if text.startswith("/part: ") and text.endswith("; dropped"):
+        more = "; smaller elements (--elements), --rotate or another mesh may keep more" if found.share_hanging > FEW_LOST else ""
+        return [f"{text} (part.keep): {percent(found.share_hanging)} of the volume{more}"]
+    return [text]
 
 
 def choose(arguments, look):
@@ -245,15 +177,17 @@ def choose(arguments, look):
                         f"{LEAST_ACROSS_LAYER:g}, better {ACROSS_LAYER}: allow more elements (--elements, --memory), or thicker "
                         f"layers, of {LEAST_ACROSS_LAYER * found.edge:.3g} {arguments.unit} or more; one thick layer may stand "
                         "for several")
-    require_on_plate(arguments, found)
+    refuse_hanging(arguments, found)
+    if found.floor:
+        warnings.append(look.why_floor(found))
     if found.standing > 1:
         warnings.append(f"{found.standing} pieces stand on the plate: they have no release, so what is made small is the shape "
                         "on the plate")
     count = layers_for(found, target)
     entries = entries_of(arguments, look, element, material, target, why_target, count)
     content = plain(entries)
-    last = found_in(found.edge, *look.check(content))
+    last = found_in(found.edge, found.floor, *look.check(content))
     if arguments.memory and last.memory > arguments.memory:
         warnings.append(f"a run takes {last.memory:g} GB, more than --memory {arguments.memory:g}")
     entries[1].remark += (f" {last.elements:,} elements, {last.memory:g} GB on one rank, about {last.seconds:g} s an iteration.")
-    return entries, warnings + [text for text in last.warnings if not text.startswith("/layers: layers of ")]  # said above
+    return entries, warnings + [said for text in last.warnings for said in warnings_of(text, found)]

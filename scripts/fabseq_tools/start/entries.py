@@ -3,6 +3,7 @@
 
 import os
 
+from fabseq_tools.run.check_words import ANY_TILT, percent
 from fabseq_tools.start.config_text import Entry
 
 NARROW = 0.3  # of the part's volume over its geodesic height: a plate contact below is little
@@ -22,12 +23,12 @@ def entries_of(arguments, look, element, material, target, why_target, count):
     if found.hanging:
         part["keep"] = "connected"
         wall += (f" keep leaves out {found.hanging} piece{'s' * (found.hanging > 1)} off the plate, "
-                 f"{100 * found.share_hanging:.2g} % of the elements; --keep all refuses them.")
+                 f"{percent(found.share_hanging)} of the volume; --keep all refuses them.")
     interval = max(1, min(15, arguments.iterations * 2 // 9))
     name = os.path.splitext(os.path.basename(arguments.part))[0]
     return [
         Entry("name", name, "Output goes to output/NAME."),
-        Entry("domain", {"element": found.edge, "unit": unit}, f"Edge of an element: {element.why[0]}."),
+        Entry("domain", look.domain(found.edge, found.floor), domain_words(look, element)),
         Entry("part", part, wall),
         Entry("node_sets", {"skin": {"all": True, "surface": True}}, "What a scan sees."),
         material,
@@ -40,7 +41,8 @@ def entries_of(arguments, look, element, material, target, why_target, count):
               "What holds: the machine's limits, so that the result can be built. The verdict of the run says whether it can."),
         Entry("tool", tool_of(arguments),
               "The machine: put in your own. thickness is the range of local thickness that can be deposited, relative to the "
-              "layers'. profile adds the torch, whose reach is then checked; the constraint tool_clearance keeps it free."),
+              f"layers'. {tilt_words(arguments)} profile adds the torch, whose reach is then checked; the constraint "
+              "tool_clearance keeps it free."),
         Entry("baseline", {"direction": "best"},
               "The result is compared with upright planar layers, and with planar ones in the best of several directions within "
               "the tilt limit: a machine that tilts builds them without any optimized sequence."),
@@ -48,6 +50,12 @@ def entries_of(arguments, look, element, material, target, why_target, count):
                             "binary_iterations": min(40, max(1, arguments.iterations // 3))},
               "60 show what can be gained, 120 are usually enough. The last ones are judged by binary layers."),
     ]
+
+
+def domain_words(look, element):
+    if not element.found.floor:
+        return f"Edge of an element: {element.why[0]}."
+    return f"{look.why_floor(element.found)}. Edge of an element, {element.found.edge:g} {element.unit}: {element.why[0]}."
 
 
 def sequence(arguments, length, found):
@@ -81,9 +89,16 @@ def tool_of(arguments):
     tool = {"thickness": THICKNESS}
     if arguments.bead_width:
         tool["bead_width"] = arguments.bead_width
-    if arguments.max_tilt:
+    if arguments.max_tilt < ANY_TILT:
         tool |= {"axis": "normal", "max_tilt": arguments.max_tilt}
     return tool
+
+
+def tilt_words(arguments):
+    if arguments.max_tilt >= ANY_TILT:
+        return "Without max_tilt it tilts as far as it likes."
+    usual = "the default of --max-tilt, whose 180 is no limit" if arguments.usual_tilt else "as asked for (--max-tilt)"
+    return f"max_tilt is the largest angle, in degrees, between torch and plate's normal: {usual}."
 
 
 def constraints(arguments, target, why_target, elements):
@@ -95,7 +110,7 @@ def constraints(arguments, target, why_target, elements):
                     "Place by place within tool.thickness. The limit is a share of the part, smoothly counted: half of one "
                     "element's, so that there is none outside. Where layers meet behind a hole no sequence may keep it: more, "
                     "such as 0.02, lets as many elements pass, and the distortion gain a little.")]
-    if arguments.max_tilt:
+    if arguments.max_tilt < ANY_TILT:
         result.append(Entry("", {"type": "tilt", "limit": none}, "No tilt beyond tool.max_tilt, with the same limit."))
     result.append(Entry("", {"type": "supported"}, "No element begins in the air. It has such a limit of its own."))
     return result

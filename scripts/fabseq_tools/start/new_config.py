@@ -3,7 +3,7 @@
 
     fabseq-tools new PART [-o CONFIG.json] [--overwrite] [--unit mm] [--scale FACTOR]
                      [--thickness T | --bead-height H] [--bead-width W] [--max-tilt DEGREES]
-                     [--sequence heat|guided] [--keep connected|all]
+                     [--sequence heat|guided] [--keep connected|all] [--rotate X,Y,Z]
                      [--elements N | --memory GB] [--material NAME] [--iterations N]
                      [--program build/release/fabseq]
 
@@ -15,35 +15,44 @@ of several sizes. What is chosen stands in the config, each with the reason as a
   the part has (default: 50,000), --memory what a run takes on one rank. Where the bound does not leave three
   elements across a wall, or where the part runs out to an edge, part.mesh.least_elements lets it pass.
 - The number of layers: the geodesic height over the thickness, and 5 % more.
-- The sequence: with --max-tilt below 90 degrees guided, which leans no further; else heat. --sequence says
+- The tilt: torch and plate's normal have up to 60 degrees between them; --max-tilt says otherwise, 180 is no
+  limit.
+- The sequence: with less than 90 degrees of tilt guided, which leans no further; else heat. --sequence says
   otherwise.
-- Pieces that stand neither on the plate nor on the rest are left out if they are less than 5 % of the part;
-  --keep connected leaves out larger ones, --keep all refuses any.
+- Which way up: as in the file, or turned about x, y and z by the degrees of --rotate, one after the other.
+- Pieces that stand neither on the plate nor on the rest are left out, and a warning says their share of the
+  volume. Smaller elements are tried first, where they may join them. For a piece that is most of the part,
+  the plate is moved up (domain.origin), and what lies below is cut off, as is a point or an edge on which the
+  part would stand. --keep connected keeps what stands on the plate instead; --keep all refuses pieces off it.
 - The objective: the shape of the skin after the release (of several pieces on one plate: before it), and, of
   heat, even layers. Constraints: the thickness of each layer and, place by place, the range of
-  tool.thickness; a whole last layer; no element begins in the air; with --max-tilt the tilt.
+  tool.thickness; a whole last layer; no element begins in the air; the tilt, if it has a limit.
 - What it is compared with: also planar layers in the best direction within the tilt (baseline.direction).
 
 Lengths are in --unit, which names the config's unit (default: mm); --scale is the factor from the file's unit
 to it. CONFIG.json is PART.json beside the mesh unless given. The last line is the command that comes next.
 """
 
+import argparse
+import math
 import os
 import shlex
 import shutil
 import tempfile
 
 from fabseq_tools.geometry.placement import millimetres_of
-from fabseq_tools.run.command_line import RunError, count, parser_of, positive, warn
+from fabseq_tools.run.check_words import ANY_TILT
+from fabseq_tools.run.command_line import RunError, count, number, parser_of, positive, warn
 from fabseq_tools.run.places import PROGRAM, SCRIPTS
 from fabseq_tools.run.progress import Progress
-from fabseq_tools.start.choices import Look, choose
+from fabseq_tools.start.choices import choose
 from fabseq_tools.start.config_text import config_text
+from fabseq_tools.start.look import Look
 from fabseq_tools.start.materials import known_materials
 
 COMMAND = "new"
 
-ANY_TILT, UPRIGHT = 180.0, 90.0  # degrees: of a machine without a limit; of layers that stand upright along a limb
+USUAL_TILT, UPRIGHT = 60.0, 90.0  # degrees: unless asked for another; of layers that stand upright along a limb
 LARGE, SMALL = 5000.0, 5.0  # mm: a longest edge beyond is that of a file in another unit, more often than not
 
 
@@ -71,11 +80,37 @@ def main(words):
     for entry in entries:
         for line in entry.lines():
             print(line)
+    if arguments.usual_tilt:
+        print(f"tilt: at most {USUAL_TILT:g} degrees between torch and plate's normal; --max-tilt says otherwise, 180: no limit")
     for text in warnings:
         warn(COMMAND, text)
     print(f"{output}: written; look at it, then run it with")
     print(f"{shlex.join([arguments.program, '-config', output, '-task', 'check', '-picture'])}")
     print(f"{shlex.join([os.path.join(SCRIPTS, 'use', 'run.sh'), '-config', output])}")
+
+
+tilt = number("degrees above 0, up to 180, which is no limit", lambda value: 0 < value <= ANY_TILT)
+
+
+def turns(text):
+    """The type of an option: degrees about three axes."""
+    try:
+        found = [float(one) for one in text.split(",")]
+    except ValueError:
+        found = []
+    if len(found) != 3 or not all(map(math.isfinite, found)):
+        raise argparse.ArgumentTypeError(f"found {text}; allowed: degrees about x, y and z, such as 90,0,-45")
+    return found
+
+
+def with_negative_turns(words):
+    """The words with a value of --rotate that begins with a minus as part of its option, for which argparse
+    would take it."""
+    words = list(words)
+    for place in range(len(words) - 2, -1, -1):
+        if words[place] == "--rotate" and words[place + 1].startswith("-"):
+            words[place:place + 2] = [f"--rotate={words[place + 1]}"]
+    return words
 
 
 def parsed(words):
@@ -89,19 +124,22 @@ def parsed(words):
     thickness.add_argument("--thickness", type=positive, metavar="T", help="of a layer")
     thickness.add_argument("--bead-height", type=positive, metavar="H", help="a layer is as thick as a bead is high")
     parser.add_argument("--bead-width", type=positive, metavar="W")
-    parser.add_argument("--max-tilt", type=positive, metavar="DEGREES", help="between torch and plate's normal")
-    parser.add_argument("--sequence", choices=["heat", "guided"], help="default: guided with --max-tilt below 90, else heat")
+    parser.add_argument("--max-tilt", type=tilt, metavar="DEGREES",
+                        help=f"between torch and plate's normal (default: {USUAL_TILT:g}; 180: no limit)")
+    parser.add_argument("--sequence", choices=["heat", "guided"], help="default: guided with a tilt below 90, else heat")
     parser.add_argument("--keep", choices=["connected", "all"],
-                        help="pieces (default: connected, if it leaves out less than 5 %%)")
+                        help="pieces on the plate, or refuse others (default: as much of the part as stands)")
+    parser.add_argument("--rotate", type=turns, default=[0.0] * 3, metavar="X,Y,Z", help="degrees about x, then y, then z")
     bound = parser.add_mutually_exclusive_group()
     bound.add_argument("--elements", type=positive, metavar="N", help="of the part, at most (default: 50000)")
     bound.add_argument("--memory", type=positive, metavar="GB", help="of a run on one rank, at most")
     parser.add_argument("--material", metavar="NAME", help=f"{', '.join(known_materials())} (default: ER70S-6)")
     parser.add_argument("--iterations", type=count, default=120, metavar="N", help="default: %(default)s")
     parser.add_argument("--program", default=PROGRAM)
-    arguments = parser.parse_args(words)
+    arguments = parser.parse_args(with_negative_turns(words))
     arguments.ranks, arguments.rest = 1, []
-    arguments.sequence = arguments.sequence or ("guided" if (arguments.max_tilt or ANY_TILT) < UPRIGHT else "heat")
+    arguments.usual_tilt, arguments.max_tilt = arguments.max_tilt is None, arguments.max_tilt or USUAL_TILT
+    arguments.sequence = arguments.sequence or ("guided" if arguments.max_tilt < UPRIGHT else "heat")
     arguments.millimetres = millimetres_of(arguments.unit)
     return arguments
 

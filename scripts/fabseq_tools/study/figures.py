@@ -7,7 +7,7 @@ import os
 
 import numpy as np
 
-from fabseq_tools.run.check_words import inner, percent, result_of
+from fabseq_tools.run.check_words import inner, percent, result_of, share_beyond, tilt_limit, torch
 from fabseq_tools.run.command_line import RunError, write_json, write_rows
 from fabseq_tools.run.verdict_words import class_of, in_short, place_lines
 from fabseq_tools.run.words import duration, number
@@ -16,7 +16,8 @@ from fabseq_tools.run.words import duration, number
 COLUMNS = {"objective": ("objective", number), "skin": ("skin", number), "skin_released": ("released", number),
            "spread": ("spread", number),
            "thickness": ("thickness, 1 to 99 %", lambda span: " to ".join(f"{value:.2f}" for value in span)),
-           "outside": ("out of range", percent), "beyond_tilt": ("beyond tilt", percent), "blocked": ("blocked", str),
+           "outside": ("out of range", percent), "beyond_tilt": ("beyond tilt", percent),
+           "largest_tilt": ("tilt, no limit", lambda degrees: f"{degrees:.3g}°"), "blocked": ("blocked", str),
            "hanging": ("hanging", str), "verdict": ("verdict", str), "seconds": ("time", duration)}
 SPREAD = "; spread of the first objective with 15 % more and less of the strain along each axis"
 
@@ -27,7 +28,8 @@ def row_of(run, target):
     `objective`: length of the first distortion; `skin`, `skin_released`: root mean square of how far the skin
     deviates from its shape, as built and after the release; `spread`: how much of the first length the
     scenarios of the strain change; `thickness`: local thickness between its 1st and 99th percentile, relative
-    to the target; `class`, `verdict`, `violated`: the program's verdict, in short, and its reasons in words;
+    to the target; `beyond_tilt`: share of the part, with a limit of the tilt; `largest_tilt`: in degrees,
+    without one; `class`, `verdict`, `violated`: the program's verdict, in short, and its reasons in words;
     `places`: in words, where it cannot be built. Keys of what the run does not have are None."""
     state = result_of(run)
     block = run.summary[state]
@@ -35,10 +37,12 @@ def row_of(run, target):
         raise RunError(f"{run.name}: found a result without a verdict, of an older version of fabseq; remove its folder, and "
                        "it is made anew")
     keys = {"skin": ("finished", "as_built", "skin", "rms"), "skin_released": ("finished", "released", "skin", "rms"),
-            "outside": ("checks", "local_thickness", "share_outside"), "beyond_tilt": ("checks", "tilt", "share"),
+            "outside": ("checks", "local_thickness", "share_outside"),
             "blocked": ("checks", "blocked", "elements"), "hanging": ("checks", "hanging", "elements")}
     row = {"objective": run.length(state), "spread": spread(run, block), "thickness": thickness_span(run, target)}
     row |= {key: inner(*names)(block) for key, names in keys.items()}
+    row["beyond_tilt"] = share_beyond(run, state)
+    row["largest_tilt"] = None if tilt_limit(run) else torch(run, state, "tilt").get("largest")
     return row | {"class": class_of(block["verdict"]), "verdict": in_short(block["verdict"]), "places": place_lines(block),
                   "violated": [reason["words"] for reason in block["verdict"]["reasons"]],
                   "seconds": run.summary["seconds"]["total"]}
