@@ -1,10 +1,10 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""A small picture of a finished optimization: layers and distorted shape, planar beside optimized.
+"""A small picture of a finished optimization: layers and distorted shape, the best alternative beside optimized.
 
     scripts/figures/small_picture.py RUN_DIR PICTURE.png [--width 960] [--bytes 80000]
 
-Left to right: planar layers, optimized layers, and the distorted shapes of both, drawn as by `fabseq-tools
+Left to right: layers of the best alternative, optimized layers, and the distorted shapes of both, drawn as by `fabseq-tools
 overview`. The picture has as many colours and pixels as fit into the bytes. Without a display it is drawn in
 memory.
 """
@@ -29,11 +29,18 @@ def main():
     arguments = parser_of_picture(__doc__, "PICTURE.png", 960, 80000).parse_args()
     run = Run(arguments.directory)
     ensure_display()
-    images = overview.pictures_of(run).images
+    images = of_one_height([image for pictures in overview.pictures_of(run) for image in pictures.images])
     gap = np.full((images[0].shape[0], GAP, 3), 255, np.uint8)
     side_by_side = np.hstack([piece for image in images for piece in (image, gap)][:-1])
     with open(arguments.picture, "wb") as file:
         file.write(compressed(side_by_side, arguments.width, arguments.bytes))
+
+
+def of_one_height(images):
+    """Scaled to the lowest of them."""
+    height = min(image.shape[0] for image in images)
+    return [np.asarray(resized(Image.fromarray(image), round(image.shape[1] * height / image.shape[0]), height))
+            for image in images]
 
 
 def parser_of_picture(documentation, picture, width, most_bytes):
@@ -59,8 +66,9 @@ def compressed(image, width, most_bytes):
     return first_that_fits(encodings, width, most_bytes)
 
 
-def resized(image, width):
-    return image.resize((width, max(1, round(width * image.height / image.width))), Image.Resampling.LANCZOS)
+def resized(image, width, height=None):
+    """`height`: by default as the width is."""
+    return image.resize((width, height or max(1, round(width * image.height / image.width))), Image.Resampling.LANCZOS)
 
 
 def first_that_fits(encodings, width, most_bytes):

@@ -25,7 +25,7 @@ Continuation::Continuation(const ProjectionSettings& projection, double first_be
                           (optimizer.starts.empty() ? 0 : optimizer.start_iterations)),
       planned_iterations_(earlier_iterations_ + optimizer.max_iterations + optimizer.later_iterations) {}
 
-double Continuation::beta(int iteration) const {
+double Continuation::scheduled_beta(int iteration) const {
   double beta = first_beta_;
   for (int step = projection_.interval; step < earlier_iterations_ + iteration; step += projection_.interval)
     beta = std::min(last_beta_, beta * projection_.factor + projection_.increment);

@@ -66,6 +66,11 @@ void add_phases(Section<OptimizerSettings>& keys) {
   keys.key("binary_iterations", &Its::binary_iterations,
            "The last iterates that are judged by their binary layers, too, a simulation each",
            {.range = "[0, inf)", .option = "-binary_iterations"})
+      .key("repair_iterations", &Its::repair_iterations,
+           "More iterations, at most, while the best iterate still fails exact checks of the machine's "
+           "limits; "
+           "needs binary_iterations",
+           {.range = "[0, inf)"})
       .key("coarse_iterations", &Its::coarse_iterations,
            "Iterations at half the resolution before the others",
            {.range = "[0, inf)", .option = "-coarse_iterations"})

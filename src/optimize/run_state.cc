@@ -60,6 +60,8 @@ template <int Dim>
 RunEnd RunState<Dim>::end() const {
   const std::string reason = convergence();
   if (!reason.empty()) return {"converged", reason, completed_};
+  if (completed_ > settings_.max_iterations)
+    return {"iteration_limit", "max_iterations and what repairs reached", completed_};
   const char* too_short = continuation.reaches_the_end() ? "" : " before the sharpness reached its maximum";
   return {"iteration_limit", std::string("max_iterations reached") + too_short, completed_};
 }

@@ -43,14 +43,24 @@ struct Column {
 
 std::vector<Column> columns(bool released, bool has_limit_of_tilt) {
   const auto skin = [released](const SequenceNumbers& of) { return of.finished->deviation(released).skin; };
-  const auto hours = [](const SequenceNumbers& of) { return of.build ? of.build->hours : std::nullopt; };
-  return {{"rms", [skin](const SequenceNumbers& of) { return number(skin(of).rms); }},
-          {"largest", [skin](const SequenceNumbers& of) { return number(skin(of).largest); }},
-          {"layers", [](const SequenceNumbers& of) { return std::to_string(of.used_layers()); }},
-          {"hours", [hours](const SequenceNumbers& of) { return number(hours(of)); }},
-          {has_limit_of_tilt ? "tilt" : "tilt (no limit)",
-           [](const SequenceNumbers& of) { return number(largest_tilt(of), "%.0f"); }},
-          {"thickness", thickness_words}};
+  const auto hours = [](const SequenceNumbers& of) {
+    const auto& heat = of.part_temperature;
+    if (heat && heat->pauses) return heat->pauses->hours;  // with the pauses that keep the limit
+    return of.build ? of.build->hours : std::nullopt;
+  };
+  const auto interpass = [](const SequenceNumbers& of) {
+    const auto& heat = of.part_temperature;
+    return heat && heat->highest.layer > 0 ? std::optional(heat->highest.value) : std::nullopt;
+  };
+  return {
+      {"rms", [skin](const SequenceNumbers& of) { return number(skin(of).rms); }},
+      {"largest", [skin](const SequenceNumbers& of) { return number(skin(of).largest); }},
+      {"layers", [](const SequenceNumbers& of) { return std::to_string(of.used_layers()); }},
+      {"hours", [hours](const SequenceNumbers& of) { return number(hours(of)); }},
+      {has_limit_of_tilt ? "tilt" : "tilt (no limit)",
+       [](const SequenceNumbers& of) { return number(largest_tilt(of), "%.0f"); }},
+      {"interpass, deg C", [interpass](const SequenceNumbers& of) { return number(interpass(of), "%.0f"); }},
+      {"thickness", thickness_words}};
 }
 
 /// A heading and a line for each row, the class of the sequence at its end.

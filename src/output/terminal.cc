@@ -111,13 +111,16 @@ void Terminal::baseline(const SequenceNumbers& planar) {
 std::string Terminal::progress_text(const Iterate& iterate, double seconds) const {
   const ProblemValues& values = iterate.values;
   const int width = static_cast<int>(std::to_string(max_iterations_).size());
-  std::string text = formatted("iteration %*d/%d", width, iterate.iteration, max_iterations_);
+  const bool repairs = iterate.iteration > max_iterations_;
+  std::string text = repairs ? formatted("repair %*d", width, iterate.iteration - max_iterations_)
+                             : formatted("iteration %*d/%d", width, iterate.iteration, max_iterations_);
   const double objective = values.objective.empty() ? 0.0 : values.objective[0][0];
   if (objective > 0.0 && !std::isnan(planar_objective_))
     text += formatted("  planar/objective %.4g", planar_objective_ / objective);
   text += limits_text(iterate);
-  return text + formatted("  beta %.4g  %.3g s/iteration  left ", iterate.beta, seconds) +
-         duration_text(mean_seconds_ * (max_iterations_ - iterate.iteration));
+  text += formatted("  beta %.4g  %.3g s/iteration", iterate.beta, seconds);
+  return repairs ? text
+                 : text + "  left " + duration_text(mean_seconds_ * (max_iterations_ - iterate.iteration));
 }
 
 void Terminal::iteration(const Iterate& iterate, double seconds) {

@@ -23,6 +23,8 @@ namespace {
 
 /// Tilt of the directions to try where the machine has no limit, degrees.
 constexpr double usual_tilt = 60.0;
+/// Seconds without a line on the terminal.
+constexpr double longest_silence = 4.0;
 
 template <int Dim>
 SequenceReport simulated(const Setup<Dim>& setup, const Problem<Dim>& problem, PseudoTime<Dim> time,
@@ -77,8 +79,7 @@ class BaselineMaker {
     result.direction = best.direction;
     result.title = formatted("planar at %.3g degrees", best.tilt);
     result.numbers = planar(best.direction);
-    print(formatted("planar layers in %zu directions: the best is tilted by %.3g degrees",
-                    result.tried.size(), best.tilt));
+    print(formatted("  the best is tilted by %.3g degrees", best.tilt));
     return result;
   }
 
@@ -123,10 +124,16 @@ class BaselineMaker {
   std::vector<TriedDirection> try_directions_here(std::vector<int>& elements) const {
     const double limit = setup_.config.tool.max_tilt;
     const bool released = any_measures_release(setup_.config.objective);
+    const auto directions = tilted_directions<Dim>(setup_.part.plate(), limit < 90.0 ? limit : usual_tilt);
     std::vector<TriedDirection> result;
-    for (const auto& [direction, tilt] :
-         tilted_directions<Dim>(setup_.part.plate(), limit < 90.0 ? limit : usual_tilt)) {
+    print("planar layers in " + std::to_string(directions.size()) + " directions, for comparison");
+    double said = MPI_Wtime();
+    for (const auto& [direction, tilt] : directions) {
       stop_if_requested(setup_.world());
+      if (MPI_Wtime() - said > longest_silence) {
+        print("  direction " + std::to_string(result.size() + 1) + " of " + std::to_string(directions.size()));
+        said = MPI_Wtime();
+      }
       std::vector<double> components(direction.begin(), direction.end());
       const SequenceNumbers numbers = planar(components);
       result.push_back({std::move(components), tilt, numbers.finished->deviation(released).skin.rms,

@@ -8,7 +8,6 @@ import subprocess
 
 import numpy as np
 
-import fake_places
 import run_fabseq
 from read_outputs import read_result
 from run_fabseq import BAD_INPUT, ROOT, FabseqTest, distinct
@@ -88,10 +87,8 @@ class BuildReportTest(FabseqTest):
 
     @run_fabseq.only_release
     def test_tools_begin_with_the_verdict(self):
-        """Of a result with classes and places, which are made up from its own fields."""
         run = self.run_config(2, {**CRANE, "tool": {"bead_width": 1.0}}, "-max_iterations", 2)
         self.assert_done(run)
-        fake_places.add_places(run.output)
         summary = run.json("summary.json")
         (place,) = summary["baseline"]["places"]
         self.assertEqual((place["kind"], place["elements"], place["layer"]), ("hanging", 12, 5))
@@ -112,10 +109,10 @@ class BuildReportTest(FabseqTest):
     def test_simulation_prints_a_table(self):
         run = self.run_config(1, CRANE, "-task", "simulate")
         self.assert_done(run)
-        for words in ("lengths in mm", "whole part, largest", "elements that hang in the air", "largest equivalent stress",
+        for words in ("not buildable: ", "skin after the release, mm", "  simulated ", " begins in the air in layer ",
                       "constraint_0 (layer_thickness): "):
             self.assertIn(words, run.stdout)
-        self.assertLess(len(run.stdout.splitlines()), 32)
+        self.assertLess(len(run.stdout.splitlines()), 20)
         self.assertEqual(run.json("summary.json")["checks"]["hanging"]["elements"], read_result(run)["hanging"].sum())
 
     def test_the_shelf(self):

@@ -217,7 +217,7 @@ class FabseqTest(unittest.TestCase):
         if output:
             command += ["-output", output]
         if timeout is None:
-            timeout = 600 if SANITIZED else 120
+            timeout = 600 if SANITIZED else 300
         result = Result(command, *run_command(command, self.directory, timeout), output)
         if self.resumes and not SANITIZED and output and result.status == DONE and "-restart" not in command:
             self.check_resumed(ranks, [str(argument) for argument in arguments], result, timeout)

@@ -111,7 +111,7 @@ class ThermalTest(FabseqTest):
             field, layer = file["interpass_temperature"][()], file["layer"][()]
         means = [field[layer == number].mean() for number in range(1, 4)]
         self.assertLess(largest_relative_difference(means, interpass(binary.json("summary.json"))[1:]), 1e-6)
-        self.assertIn("highest interpass, degrees C", binary.stdout)
+        self.assertIn("  interpass, deg C  ", binary.stdout)
 
     def test_with_its_pauses_a_layer_begins_at_the_limit(self):
         config = warmed(plate_2d(), interpass_limit=150, passes=1, steps=[4, 200])

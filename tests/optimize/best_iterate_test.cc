@@ -151,5 +151,18 @@ TEST_F(BestIterateTest, ChecksJudgeTheMachinesLimits) {
   expect(6);
 }
 
+/// Exact checks decide, also where the smooth counts hold.
+TEST_F(BestIterateTest, WhatFailsExactChecksIsNotSatisfied) {
+  offer_judged(1, counted(1.0, -0.1), counted(1.0, -0.1), 0.01);
+  EXPECT_FALSE(best_.feasible());
+  EXPECT_TRUE(best_.fails_checks());
+  offer_judged(2, counted(5.0, 0.5), counted(5.0, 0.5), 0.0);
+  expect(2);
+  EXPECT_FALSE(best_.fails_checks());
+  offer_judged(3, counted(9.0, -0.1), counted(9.0, -0.1), 0.0);
+  expect(3);
+  EXPECT_TRUE(best_.feasible());
+}
+
 }  // namespace
 }  // namespace fabseq

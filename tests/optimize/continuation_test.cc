@@ -85,6 +85,18 @@ TEST(Continuation, ShortRunsHaveAnEarlierLastSharpness) {
   EXPECT_TRUE(Continuation(constant, 10.0, 324.0, run_of(5)).reaches_the_end());
 }
 
+TEST(Continuation, RepairsHaveTheLastSharpnessAndMoveLimitAndAreJudged) {
+  OptimizerSettings settings = run_of(20);
+  settings.binary_iterations = 5;
+  settings.repair_iterations = 30;
+  const Continuation continuation({}, 96.0, 324.0, settings);
+  for (const int iteration : {21, 35, 50}) {
+    EXPECT_EQ(continuation.beta(iteration), continuation.beta(20));
+    EXPECT_DOUBLE_EQ(continuation.move_limit(iteration), 0.004);
+    EXPECT_TRUE(continuation.judges_binary(iteration));
+  }
+}
+
 TEST(Continuation, MoveLimitIsConstantThenFallsGeometrically) {
   const Continuation continuation({}, 96.0, 324.0, run_of(100));
   for (int iteration = 1; iteration <= 40; ++iteration)

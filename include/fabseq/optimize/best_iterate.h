@@ -84,6 +84,8 @@ class BestIterate {
   bool by_binary() const { return by_binary_; }
   double merit() const { return merit_; }
   bool feasible() const { return standing_ == Standing::satisfied; }
+  /// Whether exact checks are all that it fails: more iterations may mend it.
+  bool fails_checks() const { return standing_ == Standing::left_to_checks && shortfall_ > 0.0; }
   const Design& design() const { return design_; }
 
   void save(CheckpointState& state) const;

@@ -5,6 +5,8 @@
 #include "fabseq/layers/layer_settings.h"
 #include "fabseq/optimize/optimizer_settings.h"
 
+#include <algorithm>
+
 namespace fabseq {
 
 /// What changes with the iteration number alone: the layers' sharpness and the move limit
@@ -16,13 +18,15 @@ class Continuation {
   Continuation(const ProjectionSettings& projection, double first_beta, double last_beta,
                const OptimizerSettings& optimizer);
 
-  /// Sharpness: every `interval` iterations beta * factor + increment, at most the last.
-  double beta(int iteration) const;
+  /// Sharpness: every `interval` iterations beta * factor + increment, at most the last. It stays in
+  /// iterations that repair, after `max_iterations`.
+  double beta(int iteration) const { return scheduled_beta(std::min(iteration, optimizer_.max_iterations)); }
   /// Whether the sharpness will not change any more, in this run of `max_iterations`.
   bool at_last_beta(int iteration) const;
   /// Whether this run of `max_iterations` gets to where the sharpness ends.
   bool reaches_the_end() const {
-    return beta(optimizer_.max_iterations + projection_.interval) == beta(optimizer_.max_iterations);
+    return scheduled_beta(optimizer_.max_iterations + projection_.interval) ==
+           beta(optimizer_.max_iterations);
   }
   /// Whether the iterate is judged by its binary layers: one of the last `binary_iterations` of all, but
   /// never the first, by whose smooth layers terms are scaled.
@@ -42,6 +46,7 @@ class Continuation {
   void restore(const CheckpointState& state);
 
  private:
+  double scheduled_beta(int iteration) const;
   /// Share of the planned iterations that are done with this one.
   double progress(int iteration) const {
     return static_cast<double>(earlier_iterations_ + iteration) / planned_iterations_;

@@ -27,6 +27,7 @@ struct OptimizerSettings {
   MmaSettings mma;
   double constraint_margin = 0.95;
   int binary_iterations = 0;                         ///< the last ones, judged by binary layers
+  int repair_iterations = 0;                         ///< after the last, where limits are still missed
   int coarse_iterations = 0;                         ///< before the others, at half the resolution
   int coarse_grids = 1;                              ///< among which they are shared out
   Json starts = Json::array();                       ///< values of sequence.initial to try first

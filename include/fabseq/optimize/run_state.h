@@ -50,8 +50,11 @@ class RunState {
   /// Ends an iteration, whose design had these values and whose step to the `next` one was `change`
   /// (StepReport::change).
   void complete(Design next, double change, const ProblemValues& values);
-  /// Whether there is nothing left to do: converged, or as many iterations as were asked for.
-  bool ended() const { return !convergence().empty() || completed_ >= settings_.max_iterations; }
+  /// Whether there is nothing left to do: converged, or as many iterations as were asked for; and nothing to
+  /// be repaired, or as many iterations for that.
+  bool ended() const {
+    return (!convergence().empty() || completed_ >= settings_.max_iterations) && !repairs();
+  }
   /// How, once it has.
   RunEnd end() const;
 
@@ -60,6 +63,10 @@ class RunState {
   void restore(const CheckpointState& state);
 
  private:
+  /// Whether iterations that repair the best iterate are left.
+  bool repairs() const {
+    return best.fails_checks() && completed_ < settings_.max_iterations + settings_.repair_iterations;
+  }
   /// Why the run could end before its last iteration, empty while it should go on.
   std::string convergence() const;
 

@@ -47,11 +47,9 @@ def main(words):
 
 
 def draw_optimization(run, path):
-    other = alternative_of(run)
-    states, names = (other, "binary"), (verdicts.TITLES[other], "optimized layers")
-    moved = [shape_of(run, group) for group in (verdicts.GROUPS[other], optimized_group(run))]
-    shapes = Shapes(run, moved)
-    layers = Layers(run, [verdicts.GROUPS[state] for state in states], [verdicts.places(run.summary[state]) for state in states])
+    states = compared_states(run)
+    names = verdicts.TITLES[states[0]], "optimized layers"
+    layers, shapes = pictures_of(run)
     labels = [f"{name}{', released' * is_released(run)}: moved by up to {quantity(length, run.unit)}"
               for name, length in zip(names, shapes.largest_each)]
     plots = [charts.plot_distortion]
@@ -60,6 +58,18 @@ def draw_optimization(run, path):
                              [caption(run, state) for state in states], numbered(run, "binary"),
                              list(zip(labels, (PLANAR, OPTIMIZED))), [partial(plot, run=run) for plot in plots], run.unit,
                              skin_words(run), sentences(run)), layers, shapes)
+
+
+def compared_states(run):
+    return alternative_of(run), "binary"
+
+
+def pictures_of(run):
+    """Layers and distorted shapes of the alternative and of the optimized sequence."""
+    states = compared_states(run)
+    moved = [shape_of(run, group) for group in (verdicts.GROUPS[states[0]], optimized_group(run))]
+    return (Layers(run, [verdicts.GROUPS[state] for state in states],
+                   [verdicts.places(run.summary[state]) for state in states]), Shapes(run, moved))
 
 
 def alternative_of(run):

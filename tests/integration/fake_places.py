@@ -1,1 +1,0 @@
-../scripts/fake_places.py
