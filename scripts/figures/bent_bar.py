@@ -1,11 +1,11 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Writes the surface of a pipe bend on a flange, in millimetres, as a binary STL file.
+"""Writes the surface of a bent bar on a foot, in millimetres, as a binary STL file.
 
-    scripts/figures/pipe_bend.py FILE.stl [--turn 90]
+    scripts/figures/bent_bar.py FILE.stl
 
-The flange, a disc with a bore, lies on z = 0 around the origin. The pipe is 90 wide outside and 60 inside; it
-rises, bends by --turn degrees towards x and goes on straight. The two bodies overlap as they were drawn.
+The foot, 120 x 80 x 20, lies on z = 0. The bar, 70 x 60, rises from its middle, bends by a right angle towards
+x and goes on straight. The two bodies overlap as they were drawn.
 """
 
 import argparse
@@ -14,35 +14,39 @@ import needs_packages  # noqa: F401 (before any package)
 
 import numpy as np
 
-from flanged_elbow import sweep, write_stl
+from flanged_elbow import write_stl
 
-FLANGE_RADIUS, FLANGE_WIDTH = 75.0, 15.0
-OUTER, INNER = 45.0, 30.0  # radii of the pipe
-BEND, BEND_HEIGHT = 90.0, 40.0  # radius of the pipe's axis, height at which the bend begins
-STRAIGHT = 40.0  # behind the bend
+FOOT = 120.0, 80.0, 20.0
+BAR = 70.0, 60.0  # width in the plane of the bend, and across it
+RISE, BEND, REACH = 70.0, 90.0, 60.0  # height of the upright, radius of the bar's axis, length behind the bend
+
+
+def sweep(frames, width, depth):
+    """Triangles of a bar through rectangles: `frames` has centre and two unit vectors of each."""
+    corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) / 2 * (width, depth)
+    rings = [centre + corners @ np.array(across) for centre, *across in frames]
+    sides = [(rings[k][i], rings[k][j], rings[k + 1][j], rings[k + 1][i])
+             for k in range(len(rings) - 1) for i, j in ((0, 1), (1, 2), (2, 3), (3, 0))]
+    faces = np.array([rings[0][::-1], *sides, rings[-1]])
+    return np.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]])
 
 
 def frame(x, z, turn):
-    """Centre of a circle and two unit vectors in its plane, across an axis that has turned by so much."""
     return np.array([x, 0.0, z]), np.array([np.cos(turn), 0.0, -np.sin(turn)]), np.array([0.0, 1.0, 0.0])
 
 
-def surface(turn):
-    """Triangles, (n, corner, axis): the flange and the pipe, each a closed surface."""
-    bend = [frame(BEND * (1 - np.cos(angle)), BEND_HEIGHT + BEND * np.sin(angle), angle) for angle in np.linspace(0, turn, 25)]
-    centre, _, _ = bend[-1]
-    end = frame(centre[0] + STRAIGHT * np.sin(turn), centre[2] + STRAIGHT * np.cos(turn), turn)
-    pipe = sweep([frame(0.0, 0.0, 0.0), *bend, end], INNER, OUTER)
-    flange = sweep([frame(0.0, 0.0, 0.0), frame(0.0, FLANGE_WIDTH, 0.0)], INNER, FLANGE_RADIUS)
-    return np.concatenate([pipe, flange])
+def surface():
+    """Triangles, (n, corner, axis): the foot and the bar, each a closed surface."""
+    bend = [frame(BEND * (1 - np.cos(turn)), RISE + BEND * np.sin(turn), turn) for turn in np.linspace(0.0, np.pi / 2, 25)]
+    bar = [frame(0.0, 0.0, 0.0), *bend, frame(BEND + REACH, RISE + BEND, np.pi / 2)]
+    foot = [frame(0.0, 0.0, 0.0), frame(0.0, FOOT[2], 0.0)]
+    return np.concatenate([sweep(bar, *BAR), sweep(foot, *FOOT[:2])])
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
-    parser.add_argument("--turn", type=float, default=90.0, help="degrees by which the pipe bends")
     parser.add_argument("file")
-    arguments = parser.parse_args()
-    write_stl(arguments.file, surface(np.radians(arguments.turn)), "pipe bend, mm")
+    write_stl(parser.parse_args().file, surface(), "bent bar, mm")
 
 
 if __name__ == "__main__":
