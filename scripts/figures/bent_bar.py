@@ -4,8 +4,8 @@
 
     scripts/figures/bent_bar.py FILE.stl
 
-The foot, 120 x 80 x 20, lies on z = 0. The bar, 70 x 60, rises from its middle, bends by a right angle towards
-x and goes on straight. The two bodies overlap as they were drawn.
+The foot, 120 x 80 x 20, lies on z = 0. The bar, 70 x 60, rises from its middle, bends by a right angle
+towards x and goes on straight. The two bodies overlap as they were drawn.
 """
 
 import argparse

@@ -18,7 +18,8 @@ LEAST_GAIN = 1.3  # of the skin's rms, over the best alternative that the machin
 
 def fenced(language, word=""):
     """Text of the tutorial's only block in that language that has the word."""
-    (block,) = [block for block in re.findall(rf"^```{language}\n(.*?)^```$", TUTORIAL, re.MULTILINE | re.DOTALL) if word in block]
+    blocks = re.findall(rf"^```{language}\n(.*?)^```$", TUTORIAL, re.MULTILINE | re.DOTALL)
+    (block,) = [block for block in blocks if word in block]
     return block
 
 
@@ -59,7 +60,7 @@ class ReadmeTest(FabseqTest):
         return line
 
     def assert_buildable(self, output):
-        """The machine can build what the run ends with, strictly, and it gains over what it could build instead."""
+        """The machine can build what the run ends with, strictly, and gains over what else it can build."""
         run = run_fabseq.Result([], DONE, "", "", self.path(output))
         summary = run.json("summary.json")
         answer = summary["answer"]
