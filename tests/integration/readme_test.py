@@ -64,7 +64,7 @@ class ReadmeTest(FabseqTest):
         run = run_fabseq.Result([], DONE, "", "", self.path(output))
         summary = run.json("summary.json")
         answer = summary["answer"]
-        print(f"{output}: {answer['class']}, {answer['gain']} times less distortion than {answer['best_alternative']}")
+        print(f"{output}: {answer['class']}, {answer['gain']:.2f} times less than {answer['best_alternative']['title']}")
         self.assertEqual((answer["class"], answer["places"], answer["released"]), ("buildable", [], True))
         self.assertTrue(summary["binary"]["verdict"]["buildable"])
         self.assertEqual(answer["best_alternative"]["class"], "buildable")
