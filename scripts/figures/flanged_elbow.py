@@ -76,12 +76,12 @@ def surface():
     return np.concatenate([sweep(tube, INNER, OUTER), sweep(lower, INNER, FLANGE_RADIUS), sweep(upper, INNER, FLANGE_RADIUS)])
 
 
-def write_stl(path, triangles):
+def write_stl(path, triangles, title):
     """Binary STL, without normals, which follow from the corners."""
     record = np.zeros(len(triangles), dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
     record["corners"] = triangles
     with open(path, "wb") as file:
-        file.write(b"flanged elbow, mm".ljust(80) + np.uint32(len(triangles)).tobytes() + record.tobytes())
+        file.write(title.encode().ljust(80) + np.uint32(len(triangles)).tobytes() + record.tobytes())
 
 
 def main():
@@ -90,7 +90,7 @@ def main():
     parser.add_argument("file")
     arguments = parser.parse_args()
     if arguments.file.endswith(".stl"):
-        return write_stl(arguments.file, surface())
+        return write_stl(arguments.file, surface(), "flanged elbow, mm")
     counts = [round(size / arguments.edge) for size in SIZE]
     samples = 4  # along each axis of an element: it is part where more than half of them are inside
     axes = [(np.arange(samples * n) + 0.5) * arguments.edge / samples for n in counts]

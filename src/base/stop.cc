@@ -148,7 +148,8 @@ std::string reason_text(int reason) {
 void listen_for(int signal) {
   struct sigaction before {
   }, action{};
-  if (is_from_system(signal) && sigaction(signal, nullptr, &before) == 0 && before.sa_handler == SIG_IGN) return;
+  if (is_from_system(signal) && sigaction(signal, nullptr, &before) == 0 && before.sa_handler == SIG_IGN)
+    return;
   action.sa_handler = on_stop_signal;
   action.sa_flags = SA_RESTART;  // interrupted writes go on
   (void)sigaction(signal, &action, nullptr);

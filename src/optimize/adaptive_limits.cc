@@ -16,12 +16,12 @@ constexpr const char* array = "problem/limit_factors";
 
 }  // namespace
 
-void AdaptiveLimits::adapt(std::size_t constraint, double violation, double share) {
+void AdaptiveLimits::adapt(std::size_t constraint, double violation, double share, bool may_widen) {
   double& factor = factors_[constraint];
   // What the optimizer has not reached yet tells nothing of a stricter limit, what it keeps by far nothing of
   // a wider one.
   if (share > 0.0 && violation < near) factor *= stricter;
-  if (share == 0.0 && violation > -near) factor *= wider;
+  if (may_widen && share == 0.0 && violation > -near) factor *= wider;
   factor = std::clamp(factor, 1.0 / most, most);
 }
 

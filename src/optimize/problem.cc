@@ -69,13 +69,13 @@ bool Problem<Dim>::adapts() const {
 }
 
 template <int Dim>
-void Problem<Dim>::adapt(const ProblemValues& values, std::span<const double> shares) {
+void Problem<Dim>::adapt(const ProblemValues& values, std::span<const double> shares, bool may_widen) {
   for (std::size_t i = 0; i < shares.size(); ++i)
     for (const ConstraintRow& row : bounds_of(i, 1.0)) {
       if (!row.adapts) continue;
       double worst = -std::numeric_limits<double>::max();
       for (const double value : values.constraints[i]) worst = std::max(worst, row.violation(value));
-      limits_.adapt(i, worst, shares[i]);
+      limits_.adapt(i, worst, shares[i], may_widen);
     }
 }
 

@@ -131,7 +131,8 @@ class BaselineMaker {
     for (const auto& [direction, tilt] : directions) {
       stop_if_requested(setup_.world());
       if (MPI_Wtime() - said > longest_silence) {
-        print("  direction " + std::to_string(result.size() + 1) + " of " + std::to_string(directions.size()));
+        print("  direction " + std::to_string(result.size() + 1) + " of " +
+              std::to_string(directions.size()));
         said = MPI_Wtime();
       }
       std::vector<double> components(direction.begin(), direction.end());

@@ -154,8 +154,9 @@ std::optional<JudgedValues> judge_binary(const Setup<Dim>& setup, Pipeline<Dim>&
 template <int Dim>
 void adapt_limits(const Setup<Dim>& setup, RunState<Dim>& run, const Pipeline<Dim>& pipeline,
                   const PipelineState<Dim>& state, const Iterate& iterate) {
-  if (run.problem.adapts())
-    run.problem.adapt(iterate.values, shares_beyond(setup, run.problem, pipeline, state));
+  if (!run.problem.adapts()) return;
+  // Iterates that are judged are no longer led to where the checks begin to fail.
+  run.problem.adapt(iterate.values, shares_beyond(setup, run.problem, pipeline, state), !iterate.binary);
 }
 
 template <int Dim>

@@ -59,7 +59,8 @@ TEST(Stop, TheSameSignalTwiceAtOnceIsOneRequest) {
   EXPECT_EQ(reason(), "stopped by signal USR1");
 }
 
-/// Linux sends XCPU every second once the time is over, a logout sends HUP, then TERM, and mpirun repeats TERM.
+/// Linux sends XCPU every second once the time is over, a logout sends HUP, then TERM, and mpirun repeats
+/// TERM.
 TEST(Stop, WhatTheSystemSendsAgainLeavesNobody) {
   const StopRequests requests(std::nullopt);
   for (const int signal : {SIGXCPU, SIGHUP, SIGPIPE, SIGTERM, SIGXCPU, SIGHUP, SIGPIPE, SIGTERM}) {

@@ -23,7 +23,7 @@ LAYERS = [{"type": "layer_thickness", "target": 4}, {"type": "last_layer"}]
 
 
 def elbow(folder):
-    """The flanged elbow from its mesh, in elements of 5 mm, as in the tutorial."""
+    """The flanged elbow from its mesh, in elements of 5 mm."""
     mesh = os.path.join(folder, "elbow.stl")
     subprocess.run([sys.executable, os.path.join(ROOT, "scripts/figures/flanged_elbow.py"), mesh], check=True)
     return {"name": "elbow", "domain": {"element": 5, "unit": "mm"}, "part": {"mesh": {"file": mesh, "least_elements": 2}},

@@ -32,7 +32,7 @@ class NewConfigTest(NewConfigCase):
         self.assertEqual(config["tool"], {"thickness": [0.6, 1.6], "bead_width": 10.0, "axis": "normal", "max_tilt": 60.0})
         self.assertEqual([one["type"] for one in config["constraints"]],
                          ["layer_thickness", "last_layer", "local_thickness", "tilt", "supported"])
-        self.assertEqual([one["limit"] for one in config["constraints"][2:4]], [1.7e-4] * 2)
+        self.assertFalse(any("limit" in one for one in config["constraints"]))  # they adapt to the exact checks
         self.assertEqual([one["type"] for one in config["objective"]], ["distortion"])
         self.assertEqual(config["baseline"], {"direction": "best"})
         self.assertEqual(config["projection"], {"interval": 13})

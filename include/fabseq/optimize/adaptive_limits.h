@@ -20,7 +20,8 @@ class AdaptiveLimits {
   /// Moves a limit after an iterate.
   /// \param violation  largest ln(count / limit) of the constraint's components
   /// \param share      of the part that the exact check finds beyond
-  void adapt(std::size_t constraint, double violation, double share);
+  /// \param may_widen  whether a limit may also become wider
+  void adapt(std::size_t constraint, double violation, double share, bool may_widen);
 
   void save(CheckpointState& state) const;
   void restore(const CheckpointState& state);

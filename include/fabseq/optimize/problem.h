@@ -81,8 +81,9 @@ class Problem {
   bool adapts() const;
   /// Adapts the limits of constraints to what the exact checks find at the design of the last evaluate()
   /// (docs/formulation.md 13.2). `shares`: of the part, beyond the limit of each constraint; those of
-  /// constraints whose limit is given are not looked at. Not collective; the same on all ranks.
-  void adapt(const ProblemValues& values, std::span<const double> shares);
+  /// constraints whose limit is given are not looked at. `may_widen`: AdaptiveLimits::adapt(). Not
+  /// collective; the same on all ranks.
+  void adapt(const ProblemValues& values, std::span<const double> shares, bool may_widen);
 
   /// The smallest share of its first value that is left of a term of the objective that depends on
   /// displacements, at most 1; 1 without such terms.

@@ -8,9 +8,6 @@ from fabseq_tools.start.config_text import Entry
 
 NARROW = 0.3  # of the part's volume over its geodesic height: a plate contact below is little
 THICKNESS = [0.6, 1.6]  # local, relative to the target: optimized parts keep it (docs/results/machine.md)
-# Of an element's share, the limit of smooth counts, which are no less than the exact shares
-# (docs/formulation.md 13.2): more lets some elements pass, and the verdict counts each.
-NO_ELEMENT = 0.5
 
 
 def entries_of(arguments, look, element, material, target, why_target, count):
@@ -37,7 +34,7 @@ def entries_of(arguments, look, element, material, target, why_target, count):
         Entry("projection", {"interval": interval},
               "Iterations between two sharpnesses: a third of the run or more is left for the last one."),
         Entry("objective", objective(arguments, found), "What is made small. The first term is printed."),
-        Entry("constraints", constraints(arguments, target, why_target, found.elements),
+        Entry("constraints", constraints(arguments, target, why_target),
               "What holds: the machine's limits, so that the result can be built. The verdict of the run says whether it can."),
         Entry("tool", tool_of(arguments),
               "The machine: put in your own. thickness is the range of local thickness that can be deposited, relative to the "
@@ -102,16 +99,15 @@ def tilt_words(arguments):
     return f"max_tilt is the largest angle, in degrees, between torch and plate's normal: {usual}."
 
 
-def constraints(arguments, target, why_target, elements):
-    none = float(f"{NO_ELEMENT / elements:.2g}")
+def constraints(arguments, target, why_target):
     result = [Entry("", {"type": "layer_thickness", "target": target, "least_volume": 0.05},
                     f"Every layer this thick on average, within 10 %: {why_target}."),
               Entry("", {"type": "last_layer"}, "The part ends with a whole layer."),
-              Entry("", {"type": "local_thickness", "limit": none},
-                    "Place by place within tool.thickness. The limit is a share of the part, smoothly counted: half of one "
-                    "element's, so that there is none outside. Where layers meet behind a hole no sequence may keep it: more, "
-                    "such as 0.02, lets as many elements pass, and the distortion gain a little.")]
+              Entry("", {"type": "local_thickness"},
+                    "Place by place within tool.thickness. Without a limit this and what follows adapt to the exact checks until "
+                    "no element fails. Where layers meet behind a hole no sequence may keep it: a limit, such as 0.02, is the "
+                    "share of the part that may be outside, smoothly counted, and lets the distortion gain a little.")]
     if arguments.max_tilt < ANY_TILT:
-        result.append(Entry("", {"type": "tilt", "limit": none}, "No tilt beyond tool.max_tilt, with the same limit."))
-    result.append(Entry("", {"type": "supported"}, "No element begins in the air. It has such a limit of its own."))
+        result.append(Entry("", {"type": "tilt"}, "No tilt beyond tool.max_tilt."))
+    result.append(Entry("", {"type": "supported"}, "No element begins in the air."))
     return result
