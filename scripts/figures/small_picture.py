@@ -1,12 +1,13 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""A small picture of a finished optimization: layers and distorted shape, the best alternative beside optimized.
+"""A small picture of a finished optimization: layers and distorted shape, the best alternative beside
+optimized.
 
     scripts/figures/small_picture.py RUN_DIR PICTURE.png [--width 960] [--bytes 80000]
 
-Left to right: layers of the best alternative, optimized layers, and the distorted shapes of both, drawn as by `fabseq-tools
-overview`. The picture has as many colours and pixels as fit into the bytes. Without a display it is drawn in
-memory.
+Left to right: layers of the best alternative, optimized layers, and the distorted shapes of both, drawn as by
+`fabseq-tools overview`. The picture has as many colours and pixels as fit into the bytes. Without a display
+it is drawn in memory.
 """
 
 import io

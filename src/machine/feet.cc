@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/machine/feet.h"
+#include "machine/feet.h"
 
 #include <cmath>
 

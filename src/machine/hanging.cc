@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/machine/hanging.h"
 
-#include "fabseq/machine/feet.h"
+#include "machine/feet.h"
 
 namespace fabseq {
 

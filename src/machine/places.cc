@@ -3,9 +3,9 @@
 
 #include "fabseq/base/mpi.h"
 #include "fabseq/grid/components.h"
-#include "fabseq/machine/resting.h"
 #include "machine/place_form.h"
 #include "machine/place_measures.h"
+#include "machine/resting.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/machine/resting.h"
+#include "machine/resting.h"
 
 #include "fabseq/base/mpi.h"
 

@@ -2,8 +2,8 @@
 #include "fabseq/report/headline.h"
 
 #include "fabseq/base/formatted.h"
-#include "fabseq/report/shared_places.h"
 #include "fabseq/responses/response_type.h"
+#include "report/shared_places.h"
 
 #include <utility>
 

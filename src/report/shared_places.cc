@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/report/shared_places.h"
+#include "report/shared_places.h"
 
 #include <algorithm>
 

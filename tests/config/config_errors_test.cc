@@ -46,9 +46,9 @@ TEST(ConfigErrorsTest, UnknownKeys) {
       "build_plate, substrate, clamps, node_sets, "
       "material, process, thermal, sequence, layers, projection, objective, constraints, baseline, tool, "
       "optimizer, solver, output");
-  EXPECT_EQ(
-      solid_error("output.qqqq", "1"),
-      "/output/qqqq: unknown key; allowed here: every, checkpoint_every, stages, sensitivity, finer_grid");
+  EXPECT_EQ(solid_error("output.qqqq", "1"),
+            "/output/qqqq: unknown key; allowed here: every, checkpoint_every, stages, stress, sensitivity, "
+            "finer_grid");
   EXPECT_EQ(error_of(solid, {{"sequence", R"({"type": "planar", "drain": 1})"}}),
             "/sequence/drain: unknown key for type \"planar\"; allowed here: type, direction");
   EXPECT_EQ(solid_error("objective.1.nodes", "top"),

@@ -21,7 +21,7 @@ WRITTEN = {
     "check": ()}
 # What may be null in the files: docs/reference.md says when.
 MAY_BE_NULL = {"thickness", "cv", "nodes", "released", "length", "rms", "max", "distortion", "value", "failure", "finer_grid",
-               "local_thickness", "share_outside", "at", "blocked", "tilt"}
+               "local_thickness", "share_outside", "at", "blocked", "tilt", "late", "form", "worst", "gain", "best_alternative"}
 # A run that is told to end, and how long it may take to do so.
 ENDED_BY_US = "ended by SIGTERM"
 

@@ -101,7 +101,7 @@ class OutputsOfOneRankTest(FabseqTest):
         shapes = {name: elements for name in ("density", "time", "design", "layer", "planar/time", "planar/layer",
                                               "start/time", "start/layer", "even/time", "even/layer")}
         for prefix in ("", "planar/", "start/", "even/"):
-            shapes |= {prefix + "local_thickness": elements, prefix + "hanging": elements,
+            shapes |= {prefix + "local_thickness": elements, prefix + "hanging": elements, prefix + "fault": elements,
                        prefix + "tilt": elements, prefix + "build_direction": elements + (2,),
                        prefix + "time_gradient": elements + (2,)}
         shapes["temperature"] = shapes["start/temperature"] = nodes

@@ -359,7 +359,8 @@ class SideBySide(unittest.TestSuite):
         test.run(result)
         for failed, reason in result.failures + result.errors:
             if failed is test:
-                words = [f"{name}: {line}" for name in ("slurmctld", "slurmd") for line in test.cluster.log(name).splitlines()[-12:]]
+                words = [f"{name}: {line}" for name in ("slurmctld", "slurmd")
+                         for line in test.cluster.log(name).splitlines()[-12:]]
                 print(f"--- {test.id()}", reason, *words, sep="\n", flush=True)
 
 

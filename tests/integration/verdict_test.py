@@ -16,7 +16,8 @@ CRANE = {"name": "crane", "domain": {"size": [8, 2, 6], "elements": [16, 4, 12],
          "node_sets": {"tip": {"box": {"min": [8, 0, 4], "max": [8, 2, 6]}}},
          "sequence": {"type": "heat", "characteristic_length": 8}, "layers": {"count": 6}, "tool": {"max_tilt": 60},
          "objective": [{"type": "distortion", "nodes": "tip", "after_release": True}],
-         "constraints": [{"type": "layer_thickness", "target": 1.5}, {"type": "tilt", "limit": 1e-3}], "baseline": {"direction": "best"}}
+         "constraints": [{"type": "layer_thickness", "target": 1.5}, {"type": "tilt", "limit": 1e-3}],
+         "baseline": {"direction": "best"}}
 PLATE = {"name": "plate", "domain": {"size": [4, 2], "elements": [8, 4]}, "part": {"box": {"min": [0, 0], "max": [4, 2]}},
          "sequence": {"type": "heat"}, "layers": {"count": 4}, "objective": [{"type": "distortion", "measure": "layerwise"}]}
 BASELINES = ("baseline", "baseline_matched", "baseline_tilted", "baseline_even")

@@ -2,7 +2,7 @@
 /// Classes of sequences (docs/formulation.md 13.4) and what is said of places.
 #include "fabseq/report/build_class.h"
 
-#include "fabseq/report/shared_places.h"
+#include "report/shared_places.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "fabseq/machine/feet.h"
+#include "machine/feet.h"
 
 #include <span>
 #include <vector>
