@@ -128,7 +128,7 @@ std::string words_of(const Place& place, const FaultyPlaces& all, const ModelSet
       const std::string range =
           formatted(", allowed are %.3g to %.3g", settings.tool.thickness[0], settings.tool.thickness[1]);
       return "a bead" + where +
-             (times < 100.0 ? formatted(" is %.2g times as thick as the target", times)
+             (times < 100.0 ? formatted(" is %.3g times as thick as the target", times)
                             : " is far too thick") +
              layer + range;
     }
