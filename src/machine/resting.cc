@@ -26,12 +26,9 @@ class Spreading {
                      [&](std::size_t a, std::size_t b) { return layer_index[a] < layer_index[b]; });
   }
 
-  /// Gives a value to an element that keeps it. Local.
-  void set(std::size_t e, double value) {
-    values_[e] = value;
-    std::erase(order_, e);
-  }
-  /// Until nothing changes on any rank. `value_of(value, layer)`: what a foot with that value counts as.
+  /// Gives a value to an element without feet, which keeps it. Local.
+  void set(std::size_t e, double value) { values_[e] = value; }
+  /// Until nothing changes on any rank. `value_of(value)`: what a foot with it counts as.
   /// Collective.
   template <class ValueOf>
   void spread(const ValueOf& value_of) {
@@ -40,10 +37,6 @@ class Spreading {
     while (any(comm, spread_here(value_of)));
   }
   const std::vector<double>& values() const { return values_; }
-  /// Forgets elements with a value, which keep it.
-  void keep_known() {
-    std::erase_if(order_, [&](std::size_t e) { return values_[e] != unknown; });
-  }
 
  private:
   template <class ValueOf>
@@ -62,6 +55,7 @@ class Spreading {
         values_[e] = around_[box.offset(part_.grid().owned_elements().index(part_.elements()[e]))] = least;
         again = true;
       }
+      std::erase_if(order_, [&](std::size_t e) { return values_[e] == ground; });  // nothing is less
     }
     return changed;
   }
@@ -80,7 +74,6 @@ std::vector<int> places_that_carry(const Part<Dim>& part, const Feet<Dim>& feet,
   Spreading<Dim> spreading(part, feet, layer_index);
   // First what plate and substrate carry, then, of the rest, what places carry.
   spreading.spread([](double value) { return value == ground ? ground : unknown; });
-  spreading.keep_known();
   for (std::size_t e = 0; e < places.size(); ++e)
     if (places[e] >= 0) spreading.set(e, places[e]);
   spreading.spread([](double value) { return value == ground ? unknown : value; });
