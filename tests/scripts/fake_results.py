@@ -155,7 +155,7 @@ def add_checks(directory, unit="mm"):
 
     change(directory, "summary.json", edit)
     change(directory, "config.json", lambda config: (config["domain"].update(unit=unit),
-                                                     config.update(material={"yield_stress": 250.0})))
+                                                     config.update(material={"yield_stress": 250.0}, output={"stress": True})))
 
 
 def add_torch(directory, most_tilt=30.0):
