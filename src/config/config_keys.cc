@@ -31,7 +31,7 @@ Section<OutputSettings> output_keys() {
            {.range = "[0, inf)", .unit = "iterations", .option = "-checkpoint_every"})
       .key("stages", &Its::stages, "Write the displacement after every layer", {.option = "-stages"})
       .key("stress", &Its::stress,
-           "End with a line on the residual stress, which is that of a material without plastic flow")
+           "Say at the end how large the residual stress is, as if the material never yielded")
       .key("sensitivity", &Its::sensitivity, "End an optimization with the table of -task sensitivity",
            {.option = "-sensitivity"})
       .key("finer_grid", &Its::finer_grid,

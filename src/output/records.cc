@@ -179,8 +179,10 @@ Json binary_record(const JudgedValues& values) {
   Json record = Json::object({{"objective", first_components(values.objective)},
                               {"constraints", values.constraints},
                               {"worst_constraint", values.worst_constraint}});
-  if (values.beyond_limits) record["beyond_limits"] = *values.beyond_limits;
-  if (values.places) record["places"] = *values.places;
+  if (const auto& beyond = values.beyond_limits) {
+    record["beyond_limits"] = beyond->share;
+    record["places"] = beyond->places;
+  }
   return record;
 }
 

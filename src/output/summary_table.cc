@@ -68,15 +68,9 @@ std::vector<std::string> rows_of(const std::vector<Row>& rows, const ModelSettin
   std::vector<std::string> lines = {std::string("skin ") + (released ? "after the release" : "as built") +
                                     (settings.unit.empty() ? "" : ", " + settings.unit)};
   for (const Row& row : rows) lines.push_back("  " + row.title);
-  const auto widen = [&](std::size_t width) {
-    for (std::string& line : lines) line.resize(std::max(line.size(), width), ' ');
-  };
-  const auto longest = [&] {
-    std::size_t width = 0;
-    for (const std::string& line : lines) width = std::max(width, line.size());
-    return width;
-  };
-  widen(longest());
+  std::size_t longest = 0;
+  for (const std::string& line : lines) longest = std::max(longest, line.size());
+  for (std::string& line : lines) line.resize(longest, ' ');
   for (const auto& [title, cell] : columns(released, settings.tool.max_tilt < 180.0)) {
     std::vector<std::string> cells = {title};
     for (const Row& row : rows) cells.push_back(cell(*row.sequence));

@@ -53,8 +53,8 @@ bool launcher_has_terminal() {
 
 /// What is left to be mended: places, where the iterate was judged by the exact checks.
 std::string limits_text(const Iterate& iterate) {
-  if (iterate.binary && iterate.binary->places) {
-    const std::int64_t places = *iterate.binary->places;
+  if (iterate.binary && iterate.binary->beyond_limits) {
+    const std::int64_t places = iterate.binary->beyond_limits->places;
     return places == 0 ? "  buildable"
                        : "  " + std::to_string(places) + (places == 1 ? " place left" : " places left");
   }

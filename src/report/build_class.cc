@@ -4,6 +4,8 @@
 #include "fabseq/base/formatted.h"
 #include "fabseq/report/verdict.h"
 
+#include <array>
+
 namespace fabseq {
 
 namespace {
@@ -13,17 +15,6 @@ std::string size_words(const Place& place, const std::string& unit) {
   std::string text;
   for (const double extent : place.extent) text += (text.empty() ? "" : " x ") + formatted("%.3g", extent);
   return text + (unit.empty() ? "" : " " + unit);
-}
-
-std::string what_hangs(PlaceForm form) {
-  switch (form) {
-    case PlaceForm::roof:
-      return "a roof";
-    case PlaceForm::island:
-      return "an island";
-    default:
-      return "an overhang";
-  }
 }
 
 std::string advice(PlaceForm form) {
@@ -65,14 +56,8 @@ BuildClass class_of(const FaultyPlaces& places, const ToolSettings& tool) {
 }
 
 std::string name_of(BuildClass build_class) {
-  switch (build_class) {
-    case BuildClass::buildable:
-      return "buildable";
-    case BuildClass::buildable_but_for_places:
-      return "buildable_but_for_places";
-    default:
-      return "not_buildable";
-  }
+  constexpr std::array names = {"buildable", "buildable_but_for_places", "not_buildable"};
+  return names[static_cast<std::size_t>(build_class)];
 }
 
 std::string words_of(BuildClass build_class, std::int64_t places) {
@@ -82,33 +67,13 @@ std::string words_of(BuildClass build_class, std::int64_t places) {
 }
 
 std::string name_of(Fault fault) {
-  switch (fault) {
-    case Fault::hanging:
-      return "hanging";
-    case Fault::local_thickness:
-      return "local_thickness";
-    case Fault::tilt:
-      return "tilt";
-    default:
-      return "blocked";
-  }
+  constexpr std::array names = {"", "hanging", "local_thickness", "tilt", "blocked"};
+  return names[static_cast<std::size_t>(fault)];
 }
 
 std::string name_of(PlaceForm form) {
-  switch (form) {
-    case PlaceForm::roof:
-      return "roof";
-    case PlaceForm::island:
-      return "island";
-    case PlaceForm::overhang:
-      return "overhang";
-    case PlaceForm::thin:
-      return "thin";
-    case PlaceForm::thick:
-      return "thick";
-    default:
-      return "";
-  }
+  constexpr std::array names = {"", "roof", "island", "overhang", "thin", "thick"};
+  return names[static_cast<std::size_t>(form)];
 }
 
 std::string words_of(const Place& place, const FaultyPlaces& all, const ModelSettings& settings) {
@@ -120,8 +85,8 @@ std::string words_of(const Place& place, const FaultyPlaces& all, const ModelSet
       const std::string carried =
           on_it < 1.5 ? ""
                       : formatted(", with %.2g %% of the part on it", 100.0 * place.begins / all.part_volume);
-      return what_hangs(place.form) + where + " begins in the air" + layer + carried + ": " +
-             advice(place.form);
+      return (place.form == PlaceForm::roof ? "a " : "an ") + name_of(place.form) + where +
+             " begins in the air" + layer + carried + ": " + advice(place.form);
     }
     case Fault::local_thickness: {
       const double times = place.worst / settings.layers.target->value;

@@ -63,35 +63,30 @@ std::optional<ConstraintMiss> worst_miss(const Model<Dim>& model, const Problem<
 
 template <int Dim>
 std::optional<BeyondLimits> beyond_limits(const Model<Dim>& model, const Problem<Dim>& problem,
-                                          const Pipeline<Dim>& pipeline, const PipelineState<Dim>& state) {
+                                          const Pipeline<Dim>& pipeline, const PipelineState<Dim>& state,
+                                          bool with_places) {
   const auto limits = constraint_limits(model, problem);
   if (std::all_of(limits.begin(), limits.end(), [](const auto& limit) { return limit.check.empty(); }))
     return std::nullopt;
-  const Verdict verdict = judge(check_places(model, pipeline, state).numbers, model.settings);
+  const BuildReport report =
+      with_places ? check_places(model, pipeline, state) : check_build(model, pipeline, state);
+  const Verdict verdict = judge(report.numbers, model.settings);
   BeyondLimits beyond;
   beyond.places = verdict.places;
-  for (const BrokenLimit& broken : verdict.broken)
-    if (std::any_of(limits.begin(), limits.end(),
-                    [&](const auto& limit) { return limit.check == broken.name; }))
-      beyond.share += broken.share;
+  beyond.shares.assign(limits.size(), 0.0);
+  for (const BrokenLimit& broken : verdict.broken) {
+    bool is_limited = false;
+    for (std::size_t i = 0; i < limits.size(); ++i) {
+      if (limits[i].check != broken.name) continue;
+      beyond.shares[i] = broken.share;
+      is_limited = true;
+    }
+    if (is_limited) beyond.share += broken.share;
+  }
   return beyond;
 }
 
-template <int Dim>
-std::vector<double> shares_beyond(const Model<Dim>& model, const Problem<Dim>& problem,
-                                  const Pipeline<Dim>& pipeline, const PipelineState<Dim>& state) {
-  const Verdict verdict = judge(check_build(model, pipeline, state).numbers, model.settings);
-  std::vector<double> result;
-  for (const ConstraintLimit& limit : constraint_limits(model, problem)) {
-    const auto found = std::find_if(verdict.broken.begin(), verdict.broken.end(),
-                                    [&](const BrokenLimit& broken) { return broken.name == limit.check; });
-    result.push_back(found == verdict.broken.end() ? 0.0 : found->share);
-  }
-  return result;
-}
-
 FABSEQ_INSTANTIATE_FUNCTION(beyond_limits);
-FABSEQ_INSTANTIATE_FUNCTION(shares_beyond);
 FABSEQ_INSTANTIATE_FUNCTION(constraint_limits);
 FABSEQ_INSTANTIATE_FUNCTION(worst_miss);
 

@@ -142,11 +142,8 @@ std::optional<JudgedValues> judge_binary(const Setup<Dim>& setup, Pipeline<Dim>&
   const Tolerances usual = pipeline.tolerances();
   pipeline.set_tolerances(Tolerances::all(usual.judged));
   const auto state = pipeline.run(run.design(), beta, true);
-  JudgedValues values{run.problem.evaluate(pipeline, state), std::nullopt, std::nullopt};
-  if (const auto beyond = beyond_limits(setup, run.problem, pipeline, state)) {
-    values.beyond_limits = beyond->share;
-    values.places = beyond->places;
-  }
+  JudgedValues values{run.problem.evaluate(pipeline, state), std::nullopt};
+  values.beyond_limits = beyond_limits(setup, run.problem, pipeline, state, /*with_places=*/true);
   pipeline.set_tolerances(usual);
   return values;
 }
@@ -155,8 +152,11 @@ template <int Dim>
 void adapt_limits(const Setup<Dim>& setup, RunState<Dim>& run, const Pipeline<Dim>& pipeline,
                   const PipelineState<Dim>& state, const Iterate& iterate) {
   if (!run.problem.adapts()) return;
+  const std::optional<BeyondLimits> beyond =
+      iterate.binary ? iterate.binary->beyond_limits
+                     : beyond_limits(setup, run.problem, pipeline, state, /*with_places=*/false);
   // Iterates that are judged are no longer led to where the checks begin to fail.
-  run.problem.adapt(iterate.values, shares_beyond(setup, run.problem, pipeline, state), !iterate.binary);
+  if (beyond) run.problem.adapt(iterate.values, beyond->shares, !iterate.binary);
 }
 
 template <int Dim>

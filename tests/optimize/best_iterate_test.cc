@@ -30,8 +30,9 @@ class BestIterateTest : public testing::Test {
   }
   void offer_judged(int iteration, const ProblemValues& smooth, const ProblemValues& binary,
                     std::optional<double> beyond_limits = std::nullopt) {
-    best_.offer({iteration, 10.0, smooth, JudgedValues{binary, beyond_limits, std::nullopt}},
-                {{static_cast<double>(iteration)}, {}});
+    JudgedValues judged{binary, std::nullopt};
+    if (beyond_limits) judged.beyond_limits = BeyondLimits{*beyond_limits, {}, 0};
+    best_.offer({iteration, 10.0, smooth, std::move(judged)}, {{static_cast<double>(iteration)}, {}});
   }
   void expect(int iteration) {
     EXPECT_EQ(best_.iteration(), iteration);

@@ -185,13 +185,8 @@ def shades(colour):
 
 
 @unittest.skipIf(browser.PROGRAM is None, "chromium is not installed: scripts/setup.sh --ci")
-class InBrowser(Answer):
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        cls.browser = browser.Browser()
-        cls.addClassCleanup(cls.browser.close)
-        cls.browser.size(1300, 900)
+class InBrowser(browser.WithBrowser, Answer):
+    WINDOW = 1300, 900
 
     def open(self, run=None, state=""):
         self.browser.open(f"file://{(run or self.solid) / 'report.html'}#{state}")

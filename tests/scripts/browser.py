@@ -103,3 +103,17 @@ class Browser:
         shot = self.call("Page.captureScreenshot", format="png", captureBeyondViewport=whole)
         with open(path, "wb") as file:
             file.write(base64.b64decode(shot["data"]))
+
+
+class WithBrowser:
+    """A test case with a browser for all of its tests; stands before the case that it is added to. `WINDOW`:
+    pixels."""
+
+    WINDOW = 1200, 900
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.browser = Browser()
+        cls.addClassCleanup(cls.browser.close)
+        cls.browser.size(*cls.WINDOW)

@@ -328,13 +328,7 @@ class Fields(unittest.TestCase):
 
 
 @unittest.skipIf(browser.PROGRAM is None, "chromium is not installed: scripts/setup.sh --ci")
-class InBrowser(Report):
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        cls.browser = browser.Browser()
-        cls.addClassCleanup(cls.browser.close)
-        cls.browser.size(1200, 900)
+class InBrowser(browser.WithBrowser, Report):
 
     def open(self, state, directory=None, page="report.html"):
         """Opens the page and returns the pixels of its views."""

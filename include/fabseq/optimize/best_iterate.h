@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace fabseq {
 
@@ -22,12 +23,16 @@ enum class Standing { satisfied, within_elements, left_to_checks, violated };
 /// They may be missed by this much, in the unit of `worst_constraint`.
 inline constexpr double binary_allowance = 0.01;
 
+/// How far binary layers are beyond the limits of the machine, by the exact checks.
+struct BeyondLimits {
+  double share = 0.0;          ///< of the part, beyond those limits that constraints of the config count
+  std::vector<double> shares;  ///< beyond the limit of each constraint; 0 of those without an exact check
+  std::int64_t places = 0;     ///< at which any check fails
+};
+
 /// Values of binary layers.
 struct JudgedValues : ProblemValues {
-  /// Share of the part beyond those limits of the machine that constraints count, by the exact checks; none
-  /// without such constraints.
-  std::optional<double> beyond_limits;
-  std::optional<std::int64_t> places;  ///< at which these checks fail, all of them; likewise
+  std::optional<BeyondLimits> beyond_limits;  ///< none without constraints that have an exact check
 };
 
 /// What an iteration finds out about its design; the same on all ranks.
@@ -44,7 +49,7 @@ struct Iterate {
     return binary ? std::max(values.worst_constraint, binary->worst_constraint) : values.worst_constraint;
   }
   Standing standing() const {
-    const bool keeps_limits = !binary || !binary->beyond_limits || *binary->beyond_limits == 0.0;
+    const bool keeps_limits = !binary || !binary->beyond_limits || binary->beyond_limits->share == 0.0;
     if (worst_constraint() <= 0.0 && keeps_limits) return Standing::satisfied;
     if (!binary) return Standing::violated;
     if (values.worst_constraint <= 0.0 && binary->worst_constraint <= binary_allowance && keeps_limits)
@@ -56,7 +61,7 @@ struct Iterate {
   double shortfall() const {
     switch (standing()) {
       case Standing::left_to_checks:
-        return *binary->beyond_limits;
+        return binary->beyond_limits->share;
       case Standing::violated:
         return worst_constraint();
       default:

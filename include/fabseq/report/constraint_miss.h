@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "fabseq/optimize/best_iterate.h"
 #include "fabseq/optimize/problem.h"
 #include "fabseq/responses/response.h"
 
@@ -31,23 +32,12 @@ struct ConstraintMiss {
   std::string words;                ///< "tilt is 27 % of the part, smoothly counted, allowed at most 0.1 %"
 };
 
-/// How far binary layers are beyond the limits of the machine, by the exact checks.
-struct BeyondLimits {
-  double share = 0.0;       ///< of the part, beyond those limits that constraints of the config count
-  std::int64_t places = 0;  ///< at which any check fails
-};
-
-/// Of a pipeline's last run, which was of binary layers; none without constraints that have an exact check.
-/// Collective.
+/// Of a pipeline's last run, of its binary layers whatever layers it ran with; none without constraints that
+/// have an exact check. `with_places`: BeyondLimits::places is looked for, else 0. Collective.
 template <int Dim>
 std::optional<BeyondLimits> beyond_limits(const Model<Dim>& model, const Problem<Dim>& problem,
-                                          const Pipeline<Dim>& pipeline, const PipelineState<Dim>& state);
-
-/// What the exact checks find beyond the limit of each constraint at a pipeline's last run, as a share of the
-/// part, whatever layers it ran with; 0 of constraints without an exact check. Collective.
-template <int Dim>
-std::vector<double> shares_beyond(const Model<Dim>& model, const Problem<Dim>& problem,
-                                  const Pipeline<Dim>& pipeline, const PipelineState<Dim>& state);
+                                          const Pipeline<Dim>& pipeline, const PipelineState<Dim>& state,
+                                          bool with_places);
 
 /// None if all constraints hold; limits that adapt are left to the exact checks. `values`: of
 /// Problem::responses(), [response][component]. Not collective.

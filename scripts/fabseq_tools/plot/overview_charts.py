@@ -6,7 +6,6 @@ from matplotlib import colormaps, ticker
 
 from fabseq_tools.plot import render_part
 from fabseq_tools.plot.drawing import ALLOWED, OPTIMIZED, PLANAR, SOFT_INK
-from fabseq_tools.run.misses import worst_misses
 from fabseq_tools.run.words import quantity
 
 PALE = "#d5d9de"
@@ -32,23 +31,6 @@ def plot_distortion(axes, run):
     axes.plot(iterations[chosen], values[chosen], "o", color=OPTIMIZED,
               markersize=8, markeredgecolor="white", clip_on=False, zorder=5)
     finish_over_iterations(axes, iterations, "Distortion relative to planar", "dot: the result" if chosen.any() else "")
-
-
-def plot_violation(axes, run):
-    iterations = run.iterations
-    percent = 100 * worst_misses(run)
-    axes.plot(iterations, percent, color=OPTIMIZED, linewidth=2)
-    axes.set_yscale("symlog", linthresh=1.0, linscale=0.6)
-    largest = np.nanmax(np.append(percent, 1.0))
-    decades = [10.0**k for k in range(9) if 10.0**k < 5 * largest]
-    axes.set_ylim(-10.0, max(5.0, 1.8 * largest))
-    axes.set_yticks([-10, -1, 0] + decades)
-    axes.yaxis.set_minor_locator(ticker.NullLocator())
-    axes.yaxis.set_major_formatter(ticker.FuncFormatter(lambda value, _: f"{value:g} %"))
-    axes.axhspan(-10, 0, color=ALLOWED, zorder=0)
-    axes.text(0.99, 0.02, "satisfied", transform=axes.transAxes, ha="right", va="bottom", color=SOFT_INK)
-    only_thickness = all(c["type"] == "layer_thickness" for c in run.config["constraints"])
-    finish_over_iterations(axes, iterations, f"Worst violation of {'layer thickness' if only_thickness else 'a constraint'}")
 
 
 def finish_over_iterations(axes, iterations, title, note=""):

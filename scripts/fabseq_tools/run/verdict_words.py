@@ -90,11 +90,6 @@ def alternative(run):
     return best["block"] if best else "baseline" if "baseline" in run.summary else None
 
 
-def alternative_title(run):
-    best = answer(run).get("best_alternative")
-    return best["title"] if best else TITLES["baseline"]
-
-
 def answer_words(run):
     """The verdict of the run's layers, as a title has it; nothing where nobody knows."""
     return whole(buildable(run, result_of(run)) or "")[:-1]
