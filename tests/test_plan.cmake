@@ -76,7 +76,7 @@ set(FABSEQ_LABELS
     "scripts=^scripts/|^integration/integration.(benchmarks|calculix|calibrate|compensate|orient|own_layer|pictures|readme|reproduce|slurm|install|package)"
     "indices=^(base/mpi|grid|part|solve|files|sequence)"
     "slurm=^integration/integration.slurm"
-    "quick=^(base|keys|parallel|grid|mesh|part|files|fem|solve|sequence|layers|machine|process|responses|config|mma|optimize|report)/|^scripts/")
+    "quick=^(base|keys|parallel|grid|mesh|part|files|fem|solve|sequence|layers|machine|process|responses|config|mma|optimize|report|repair)/|^scripts/")
 function(fabseq_labels result module name)
   set(labels)
   foreach(entry ${FABSEQ_LABELS})

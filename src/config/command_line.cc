@@ -112,6 +112,9 @@ class Parser {
     }
     check_restart();
     check_sequence();
+    if (result_.repair && result_.task != Task::simulate)
+      throw InputError(
+          "-repair: it mends the layers of what -task simulate simulates; allowed: with -task simulate");
     if (result_.picture && result_.task != Task::check)
       throw InputError("-picture: it is of what -task check checks; allowed: with -task check");
     return std::move(result_);
@@ -142,6 +145,7 @@ class Parser {
         {"-sequence", [](Parser& it, Word word) { it.result_.sequence_file = it.value(word); }},
         {"-restart", [](Parser& it, Word word) { it.result_.restart = it.value(word); }},
         {"-max_wall_time", [](Parser& it, Word word) { it.take_wall_time(it.value(word)); }},
+        {"-repair", [](Parser& it, Word) { it.result_.repair = true; }},
         {"-picture", [](Parser& it, Word) { it.result_.picture = true; }},
         {"-overwrite", [](Parser& it, Word) { it.result_.overwrite = true; }},
         {"-help", [](Parser& it, Word) { it.result_.help = true; }},

@@ -23,6 +23,8 @@ Options:
   -config FILE.json      what to do: a JSON file, comments allowed, with the keys listed below
   -task TASK             optimize (default), simulate, sensitivity, evaluate, check_gradients, check (writes nothing),
                          or surface (DIR/surface.ply: the part's mesh as it is read, in its place)
+  -repair                with -task simulate and binary layers: mends the layers where they fail the machine's checks at few
+                         places, and simulates them again
   -picture               with -task check: DIR/check.svg, a picture of elements, node sets, plate and first layers
   -output DIR            output directory (default: output/NAME)
   -overwrite             write into a directory that already holds a run

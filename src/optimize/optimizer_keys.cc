@@ -68,9 +68,11 @@ void add_phases(Section<OptimizerSettings>& keys) {
            {.range = "[0, inf)", .option = "-binary_iterations"})
       .key("repair_iterations", &Its::repair_iterations,
            "More iterations, at most, while the best iterate still fails exact checks of the machine's "
-           "limits; "
-           "needs binary_iterations",
+           "limits, and then a repair of its layers; needs binary_iterations",
            {.range = "[0, inf)"})
+      .key("repair_share", &Its::repair_share,
+           "Largest share of the part's elements that this repair, or -repair, moves to other layers",
+           {.range = "[0, 0.1]"})
       .key("coarse_iterations", &Its::coarse_iterations,
            "Iterations at half the resolution before the others",
            {.range = "[0, inf)", .option = "-coarse_iterations"})

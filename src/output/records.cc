@@ -278,7 +278,8 @@ Json to_record(const Summary& summary) {
     record["constraints"] = limits;
     if (const auto& miss = finish->reports.miss) record["violated"] = to_record(*miss);
     record["headline"] = to_record(finish->headline);
-    record["answer"] = answer_record(finish->headline, finish->reports.binary, summary.settings);
+    record["answer"] = answer_record(finish->headline, finish->reports, summary.settings);
+    if (const auto& repair = finish->reports.repair) record["repair"] = to_record(*repair);
     record["interior_minima"] = finish->reports.interior_minima;
     set_layer_variables(record, finish->layer_variables, finish->best.design());
   }

@@ -73,8 +73,19 @@ Json to_record(const Headline& headline) {
   return record;
 }
 
-Json answer_record(const Headline& headline, const SequenceNumbers& optimized,
-                   const ModelSettings& settings) {
+Json to_record(const RepairReport& repair) {
+  Json moved = Json::array();
+  for (const auto& [element, from, to] : repair.changes.moved)
+    moved.push_back(Json::object({{"element", element}, {"from", from}, {"to", to}}));
+  return Json::object({{"repaired", repair.changes.repaired},
+                       {"moved", moved},
+                       {"before", Json::object({{"class", name_of(repair.build_class)},
+                                                {"places_in_all", repair.places},
+                                                {"rms", repair.rms},
+                                                {"largest", repair.largest}})}});
+}
+
+Json answer_record(const Headline& headline, const FinalReports& reports, const ModelSettings& settings) {
   Json best, gain;
   if (const auto& found = headline.alternative) {
     gain = found->ratio;
@@ -91,8 +102,8 @@ Json answer_record(const Headline& headline, const SequenceNumbers& optimized,
                        {"largest", headline.largest},
                        {"unit", settings.unit},
                        {"released", headline.released},
-                       {"places", to_record(*optimized.build->places, settings)},
-                       {"repaired", 0}});
+                       {"places", to_record(*reports.binary.build->places, settings)},
+                       {"repaired", reports.repair ? reports.repair->changes.repaired : 0}});
 }
 
 Json to_record(const ConstraintLimit& limit) {

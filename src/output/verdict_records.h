@@ -13,7 +13,7 @@ Json to_record(const Headline& headline);
 /// Places with what is wrong there, the largest first.
 Json to_record(const FaultyPlaces& places, const ModelSettings& settings);
 /// What programs read first: class, gain, the best alternative, places.
-Json answer_record(const Headline& headline, const SequenceNumbers& optimized, const ModelSettings& settings);
+Json answer_record(const Headline& headline, const FinalReports& reports, const ModelSettings& settings);
 /// A constraint with its bounds: sign * (value - bound) / scale of none of its values may be above 0.
 Json to_record(const ConstraintLimit& limit);
 /// The constraint that is missed by most.

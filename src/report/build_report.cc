@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace fabseq {
 
@@ -23,6 +24,25 @@ std::optional<std::array<double, 2>> allowed_thickness(const ModelSettings& sett
   return std::array{settings.tool.thickness[0] * target, settings.tool.thickness[1] * target};
 }
 
+std::vector<double> beyond_tilt(std::vector<double> tilt, const ModelSettings& settings) {
+  for (double& angle : tilt) angle -= settings.tool.max_tilt;
+  return tilt;
+}
+
+/// What is told of the elements that fail a check, Place::worst.
+const std::optional<std::vector<double>>& figures(const BuildFields& fields, Fault fault) {
+  switch (fault) {
+    case Fault::hanging:
+      return fields.hanging;
+    case Fault::local_thickness:
+      return fields.local_thickness;
+    case Fault::tilt:
+      return fields.tilt;
+    default:
+      return fields.blocked;
+  }
+}
+
 /// Wire and time: welding at the deposition rate, and a pause after each real layer.
 void estimate_time(const ModelSettings& settings, double volume, int layers, BuildNumbers& numbers) {
   if (!settings.material.mass_density) return;
@@ -30,17 +50,19 @@ void estimate_time(const ModelSettings& settings, double volume, int layers, Bui
   if (const auto clock = settings.clock()) numbers.hours = clock->hours(volume, layers);
 }
 
-/// What a machine would say of the binary layers of a pipeline's last run (docs/formulation.md 13.1).
+/// What a machine would say of binary layers (docs/formulation.md 13.1).
 template <int Dim>
 class MachineChecks {
  public:
-  MachineChecks(const Model<Dim>& model, const Pipeline<Dim>& pipeline, const PipelineState<Dim>& state)
+  MachineChecks(const Model<Dim>& model, const PseudoTime<Dim>& time, const LayerDensities& layers,
+                std::vector<double> layer_index)
       : part_(model.part),
         settings_(model.settings),
-        state_(state),
-        layer_(pipeline.last_layer_index()),
-        gradient_(time_gradient(model.part, state.time, state.layers)),
-        direction_(build_direction<Dim>(gradient_.values, state.layers, layer_)) {}
+        time_(time),
+        layers_(layers),
+        layer_(std::move(layer_index)),
+        gradient_(time_gradient(model.part, time, layers)),
+        direction_(build_direction<Dim>(gradient_.values, layers, layer_)) {}
 
   /// Finds the places of what fails by checks that add_to() made. Collective.
   void add_places(BuildReport& report) const {
@@ -52,17 +74,14 @@ class MachineChecks {
     places.part_volume = part_.volume();
     std::vector<double> fault(layer_.size(), 0.0);
     std::vector<Places> kinds;
-    const auto add = [&](Fault kind, const std::vector<double>& marks, const std::vector<double>& figures) {
-      kinds.push_back(find_places<Dim>(part_, kind, marks, figures, {direction_, layer_, width}));
-      for (std::size_t e = 0; e < marks.size(); ++e)
-        if (marks[e] > 0.0 && fault[e] == 0.0) fault[e] = static_cast<double>(kind);
-    };
-    const BuildFields& fields = report.fields;
-    add(Fault::hanging, *fields.hanging, *fields.hanging);
-    if (const auto allowed = allowed_thickness(settings_); allowed && fields.local_thickness)
-      add(Fault::local_thickness, beyond_range(*fields.local_thickness, *allowed), *fields.local_thickness);
-    if (fields.tilt) add(Fault::tilt, beyond_tilt(*fields.tilt), *fields.tilt);
-    if (fields.blocked) add(Fault::blocked, *fields.blocked, *fields.blocked);
+    for (const Fault kind : all_faults) {
+      const auto marks = fault_marks(report.fields, settings_, kind);
+      if (!marks) continue;
+      kinds.push_back(
+          find_places<Dim>(part_, kind, *marks, *figures(report.fields, kind), {direction_, layer_, width}));
+      for (std::size_t e = 0; e < marks->size(); ++e)
+        if ((*marks)[e] > 0.0 && fault[e] == 0.0) fault[e] = static_cast<double>(kind);
+    }
     static_cast<Places&>(places) = merged(std::move(kinds));
     for (Place& place : places.largest)
       if (place.fault == Fault::local_thickness)
@@ -81,19 +100,14 @@ class MachineChecks {
     std::vector<double> hanging = hanging_elements<Dim>(part_, direction_, layer_, settings_.tool.bead_width);
     report.numbers.hanging = count(hanging, MarkedPlace::earliest);
     report.fields.hanging = std::move(hanging);
-    const InteriorExtrema extrema = find_interior_extrema<Dim>(part_, state_.time.time);
+    const InteriorExtrema extrema = find_interior_extrema<Dim>(part_, time_.time);
     report.numbers.interior_minima = count(extrema.minima, MarkedPlace::earliest);
     report.numbers.interior_maxima = count(extrema.maxima, MarkedPlace::earliest);
   }
 
  private:
   MarkedElements count(std::span<const double> marks, MarkedPlace place) const {
-    return count_marked<Dim>(part_, marks, layer_, state_.layers.count(), place);
-  }
-
-  std::vector<double> beyond_tilt(std::vector<double> tilt) const {
-    for (double& angle : tilt) angle -= settings_.tool.max_tilt;
-    return tilt;
+    return count_marked<Dim>(part_, marks, layer_, layers_.count(), place);
   }
 
   void add_torch(BuildReport& report) const {
@@ -103,7 +117,8 @@ class MachineChecks {
     std::vector<double> tilt = torch_tilt<Dim>(part_, axis);
     const double largest =
         std::accumulate(tilt.begin(), tilt.end(), 0.0, [](double a, double b) { return std::max(a, b); });
-    report.numbers.tilt = {max(part_.grid().comm(), largest), count(beyond_tilt(tilt), MarkedPlace::largest)};
+    report.numbers.tilt = {max(part_.grid().comm(), largest),
+                           count(beyond_tilt(tilt, settings_), MarkedPlace::largest)};
     report.fields.tilt = std::move(tilt);
     if (tool.profile.empty()) return;
     std::vector<double> blocked = blocked_depth<Dim>(part_, Torch(tool), axis, layer_);
@@ -113,21 +128,22 @@ class MachineChecks {
 
   void add_thickness(BuildReport& report) const {
     std::vector<double> thickness =
-        local_thickness<Dim>(state_.time.time, gradient_.values, state_.layers, layer_, part_.longest_edge());
+        local_thickness<Dim>(time_.time, gradient_.values, layers_, layer_, part_.longest_edge());
     report.numbers.local_thickness = thickness_range<Dim>(
-        part_, thickness, gradient_.values, meeting_fronts<Dim>(part_, state_.time.time, gradient_.values),
-        allowed_thickness(settings_), layer_, state_.layers.count());
+        part_, thickness, gradient_.values, meeting_fronts<Dim>(part_, time_.time, gradient_.values),
+        allowed_thickness(settings_), layer_, layers_.count());
     if (report.numbers.local_thickness) report.fields.local_thickness = std::move(thickness);
-    if (state_.layers.time_points.empty()) return;
+    if (layers_.time_points.empty()) return;
     std::vector<double> late;
-    for (const double time : state_.time.time)
-      late.push_back(state_.layers.count() * (time - state_.layers.time_points.back()) - late_from);
+    for (const double time : time_.time)
+      late.push_back(layers_.count() * (time - layers_.time_points.back()) - late_from);
     report.numbers.late = count(late, MarkedPlace::largest);
   }
 
   const Part<Dim>& part_;
   const ModelSettings& settings_;
-  const PipelineState<Dim>& state_;
+  const PseudoTime<Dim>& time_;
+  const LayerDensities& layers_;
   std::vector<double> layer_;
   TimeGradient gradient_;
   std::vector<double> direction_;
@@ -151,22 +167,36 @@ void add_build_fields(FieldSet<Dim>& fields, const Part<Dim>& part, const BuildF
   add("von_mises", build.von_mises);
 }
 
+std::optional<std::vector<double>> fault_marks(const BuildFields& fields, const ModelSettings& settings,
+                                               Fault fault) {
+  std::optional<std::vector<double>> marks = figures(fields, fault);
+  if (!marks) return marks;
+  if (fault == Fault::tilt) return beyond_tilt(*std::move(marks), settings);
+  if (fault != Fault::local_thickness) return marks;
+  const auto allowed = allowed_thickness(settings);
+  return allowed ? std::optional(beyond_range(*marks, *allowed)) : std::nullopt;
+}
+
+template <int Dim>
+BuildReport check_layers(const Model<Dim>& model, const PseudoTime<Dim>& time, const LayerDensities& layers,
+                         std::vector<double> layer_index, bool with_places) {
+  BuildReport report;
+  const MachineChecks<Dim> checks(model, time, layers, std::move(layer_index));
+  checks.add_to(report);
+  if (with_places) checks.add_places(report);
+  return report;
+}
+
 template <int Dim>
 BuildReport check_build(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
                         const PipelineState<Dim>& state) {
-  BuildReport report;
-  MachineChecks<Dim>(model, pipeline, state).add_to(report);
-  return report;
+  return check_layers(model, state.time, state.layers, pipeline.last_layer_index(), /*with_places=*/false);
 }
 
 template <int Dim>
 BuildReport check_places(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
                          const PipelineState<Dim>& state) {
-  BuildReport report;
-  const MachineChecks<Dim> checks(model, pipeline, state);
-  checks.add_to(report);
-  checks.add_places(report);
-  return report;
+  return check_layers(model, state.time, state.layers, pipeline.last_layer_index(), /*with_places=*/true);
 }
 
 template <int Dim>
@@ -184,6 +214,7 @@ BuildReport report_build(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
 }
 
 FABSEQ_INSTANTIATE_FUNCTION(add_build_fields);
+FABSEQ_INSTANTIATE_FUNCTION(check_layers);
 FABSEQ_INSTANTIATE_FUNCTION(check_build);
 FABSEQ_INSTANTIATE_FUNCTION(check_places);
 FABSEQ_INSTANTIATE_FUNCTION(report_build);

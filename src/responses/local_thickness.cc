@@ -61,7 +61,7 @@ class LocalThickness : public Response<Dim> {
     std::vector<double> result(2);
     for (std::size_t e = 0; e < magnitude.size(); ++e)
       for (int side = 0; side < 2; ++side)
-        result[side] += context_.part.part_density()[e] * beyond(side, duration[e] / magnitude[e]).value;
+        result[side] += counts(e) * beyond(side, duration[e] / magnitude[e]).value;
     sum_in_place(context_.part.grid().comm(), result);
     for (double& value : result) value *= context_.part.grid().element_volume() / context_.part.volume();
     return result;
@@ -72,14 +72,13 @@ class LocalThickness : public Response<Dim> {
     weight *= context_.part.grid().element_volume() / context_.part.volume();
     const std::vector<double> magnitude = gradient_magnitude(state.time, context_.characteristic_length);
     const std::vector<double> duration = durations(state);
-    const std::vector<double>& density = context_.part.part_density();
     std::vector<double> d_magnitude(magnitude.size()), d_duration(magnitude.size());
     for (std::size_t e = 0; e < magnitude.size(); ++e) {
       const double thickness = duration[e] / magnitude[e];
       if (thickness <= smallest_) continue;
       // d(ln d) = d(duration) / duration - d(magnitude) / magnitude
       const double factor =
-          weight * density[e] * sign(component) * beyond(component, thickness).slope / epsilon_;
+          weight * counts(e) * sign(component) * beyond(component, thickness).slope / epsilon_;
       d_duration[e] = factor / duration[e];
       d_magnitude[e] = -factor / magnitude[e];
     }
@@ -97,6 +96,8 @@ class LocalThickness : public Response<Dim> {
   }
 
  private:
+  /// How much an element counts.
+  double counts(std::size_t e) const { return context_.weight_of(e) * context_.part.part_density()[e]; }
   static double sign(int side) { return side == 0 ? 1.0 : -1.0; }
   SmoothExcess beyond(int side, double thickness) const {
     return SmoothExcess(sign(side) * std::log(std::max(thickness, smallest_) / ends_[side]) / epsilon_);

@@ -31,9 +31,11 @@ class Supported : public Response<Dim> {
   std::vector<double> values(const PipelineState<Dim>& state) const override {
     const std::vector<double> times = below_.gather(state.time.time);
     double total = 0.0;
-    for_each(state,
-             [&](std::size_t e, int, const BuildTime& when, const UnitGradient<Dim>&,
-                 const Point<Dim>& axis) { total += SmoothExcess(below_.lack(e, when, axis, times)).value; });
+    for_each(state, [&](std::size_t e, int, const BuildTime& when, const UnitGradient<Dim>&,
+                        const Point<Dim>& axis) {
+      if (const double counts = context_.weight_of(e); counts > 0.0)
+        total += counts * SmoothExcess(below_.lack(e, when, axis, times)).value;
+    });
     return {sum(context_.part.grid().comm(), total) * unit()};
   }
 
@@ -46,7 +48,9 @@ class Supported : public Response<Dim> {
     std::vector<double> d_times(times.size());
     for_each(state, [&](std::size_t e, int sub_part, const BuildTime& when, const UnitGradient<Dim>& gradient,
                         const Point<Dim>& axis) {
-      const double factor = weight * unit() * SmoothExcess(below_.lack(e, when, axis, times)).slope;
+      if (context_.weight_of(e) == 0.0) return;
+      const double factor =
+          weight * context_.weight_of(e) * unit() * SmoothExcess(below_.lack(e, when, axis, times)).slope;
       const LackDerivative<Dim> by = below_.derivative(e, when, axis, times, factor, d_times);
       d_time[e] += by.time;
       // The clock is M_e times an edge.

@@ -71,7 +71,8 @@ class Tilt : public Response<Dim> {
             d_axis, &DensityDerivatives::touch(adjoint.time.gradient, state.time.gradient.size())[e * Dim]);
         return;
       }
-      adjoint.densities.touch_sub_part(sub_parts, sub_part)[e] += weight * excess.value;
+      adjoint.densities.touch_sub_part(sub_parts, sub_part)[e] +=
+          weight * context_.weight_of(e) * excess.value;
       for (int i = 0; i < Dim; ++i)
         adjoint.densities.touch_directions(sub_parts)[static_cast<std::size_t>(sub_part) * Dim + i] +=
             d_axis[i];
@@ -85,14 +86,15 @@ class Tilt : public Response<Dim> {
  private:
   static double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
-  /// Calls what(part element, sub-part or -1, density of the element in it).
+  /// Calls what(part element, sub-part or -1, how much the element counts in it).
   template <class What>
   void for_each(const PipelineState<Dim>& state, What&& what) const {
     const SubParts& sub_parts = state.layers.sub_parts;
     const std::vector<double>& density = context_.part.part_density();
     for (std::size_t e = 0; e < density.size(); ++e) {
-      if (sub_parts.count() == 0) what(e, -1, density[e]);
-      for (int i = 0; i < sub_parts.count(); ++i) what(e, i, sub_parts.density[i][e]);
+      const double counts = context_.weight_of(e);
+      if (sub_parts.count() == 0) what(e, -1, counts * density[e]);
+      for (int i = 0; i < sub_parts.count(); ++i) what(e, i, counts * sub_parts.density[i][e]);
     }
   }
 

@@ -58,7 +58,7 @@ class ToolClearance : public Response<Dim> {
         for_each_corner(place, rotation.apply(sample), [&](std::size_t c, double weight, const Point<Dim>&) {
           blocked += weight * density_[c] * field.earlier(c, place.time).value;
         });
-      total += context_.part.part_density()[e] * blocked;
+      total += counts(e) * blocked;
     });
     return {sum(context_.part.grid().comm(), total) * unit()};
   }
@@ -70,7 +70,7 @@ class ToolClearance : public Response<Dim> {
     auto& d_time = DensityDerivatives::touch(adjoint.time.time, elements);
     std::vector<double> d_field(field.time.size());
     for_each_element(state, [&](std::size_t e, const Place& place, const LeastRotation<Dim>& rotation) {
-      const double factor = weight * unit() * context_.part.part_density()[e];
+      const double factor = weight * unit() * counts(e);
       Point<Dim> d_axis{};
       for (const Point<Dim>& sample : samples_) {
         Point<Dim> d_offset{};
@@ -139,6 +139,8 @@ class ToolClearance : public Response<Dim> {
     return {halo_.gather(part.expand(state.time.time, 0.0, substrate_time)), settings_.delay * layer,
             settings_.sharpness * layer};
   }
+  /// How much an element counts.
+  double counts(std::size_t e) const { return context_.weight_of(e) * context_.part.part_density()[e]; }
   /// What a blocked sample of an element adds to the mean.
   double unit() const {
     return context_.part.grid().element_volume() /
@@ -151,12 +153,13 @@ class ToolClearance : public Response<Dim> {
   static std::vector<double>& touch_gradient(const PipelineState<Dim>& state, PipelineAdjoint<Dim>& adjoint) {
     return DensityDerivatives::touch(adjoint.time.gradient, state.time.gradient.size());
   }
-  /// Calls what(part element, its place, rotation of the torch there).
+  /// Calls what(part element, its place, rotation of the torch there) for those that count.
   template <class What>
   void for_each_element(const PipelineState<Dim>& state, What&& what) const {
     const Part<Dim>& part = context_.part;
     const Point<Dim> fixed = turns() ? up_ : fixed_torch_axis<Dim>(context_.tool);
     for (std::size_t e = 0; e < part.elements().size(); ++e) {
+      if (context_.weight_of(e) == 0.0) continue;
       const Point<Dim> axis = turns() ? direction(state, e).vector : fixed;
       what(e, Place{part.grid().owned_elements().index(part.elements()[e]), state.time.time[e]},
            LeastRotation<Dim>(up_, axis));

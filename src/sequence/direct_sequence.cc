@@ -2,7 +2,7 @@
 #include "sequence/direct_sequence.h"
 
 #include "fabseq/fem/element_matrices.h"
-#include "sequence/element_means.h"
+#include "fabseq/sequence/element_means.h"
 #include "sequence/repeated_averaging.h"
 
 #include <algorithm>

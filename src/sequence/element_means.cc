@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "sequence/element_means.h"
+#include "fabseq/sequence/element_means.h"
 
 namespace fabseq {
 

@@ -3,7 +3,7 @@
 
 #include "fabseq/base/mpi.h"
 #include "fabseq/sequence/geodesic_distance.h"
-#include "sequence/element_means.h"
+#include "fabseq/sequence/element_means.h"
 #include "sequence/start_domain.h"
 
 #include <algorithm>

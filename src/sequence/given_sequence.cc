@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 namespace fabseq {
 
@@ -92,6 +93,20 @@ std::vector<double> recorded_gradient(const Part<Dim>& part, const std::string& 
   return result;
 }
 
+/// Times of the nodes that a result has beside the times of its elements; empty if there are none.
+template <int Dim>
+std::vector<double> recorded_nodal_time(const Part<Dim>& part, const std::string& file,
+                                        const std::string& dataset) {
+  constexpr std::string_view own = "time";
+  if (!dataset.ends_with(own)) return {};
+  const std::string name = dataset.substr(0, dataset.size() - own.size()) + "nodal_time";
+  if (!hdf5_file_has(part.grid().comm(), file, name, "/sequence/file")) return {};
+  std::vector<double> times = read_field(part.grid(), true, file, name, "/sequence/file", "/sequence/file");
+  const auto is_finite = [](double time) { return std::isfinite(time); };
+  if (any(part.grid().comm(), !std::all_of(times.begin(), times.end(), is_finite))) times.clear();
+  return times;
+}
+
 /// Throws InputError on all ranks for values that are no pseudo-times, and brings those there that leave
 /// [0, 1] by rounding. Guided times go a little beyond 1 where the part does not end with its last layer.
 /// Most of seconds, or of numbers of layers, are beyond it; whoever writes a gradient beside them means
@@ -131,6 +146,7 @@ PseudoTime<Dim> time_from_file(const Part<Dim>& part, const std::string& file, c
   PseudoTime<Dim> result;
   result.time = part.restrict_to_part(read_field(part.grid(), false, file, dataset));
   result.recorded_gradient = recorded_gradient(part, file, dataset);
+  result.nodal = recorded_nodal_time(part, file, dataset);
   require_times(part, result, file, dataset);
   return result;
 }

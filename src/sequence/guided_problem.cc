@@ -3,7 +3,7 @@
 
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/verdict.h"
-#include "sequence/element_means.h"
+#include "fabseq/sequence/element_means.h"
 #include "sequence/start_domain.h"
 #include "sequence/time_adjoints.h"
 

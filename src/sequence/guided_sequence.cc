@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "sequence/guided_sequence.h"
 
-#include "sequence/element_means.h"
+#include "fabseq/sequence/element_means.h"
 #include "sequence/guided_start.h"
 
 #include <cmath>

@@ -6,7 +6,7 @@
 #include "fabseq/base/session.h"
 #include "fabseq/base/verdict.h"
 #include "fabseq/sequence/geodesic_distance.h"
-#include "sequence/element_means.h"
+#include "fabseq/sequence/element_means.h"
 #include "sequence/start_domain.h"
 #include "sequence/time_adjoints.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "sequence/repeated_averaging.h"
 
-#include "sequence/element_means.h"
+#include "fabseq/sequence/element_means.h"
 
 #include <cmath>
 

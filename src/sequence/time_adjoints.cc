@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "sequence/time_adjoints.h"
 
-#include "sequence/element_means.h"
+#include "fabseq/sequence/element_means.h"
 
 #include <algorithm>
 #include <limits>

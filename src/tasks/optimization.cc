@@ -7,6 +7,7 @@
 #include "fabseq/report/layer_doubts.h"
 #include "fabseq/tasks/starting_design.h"
 #include "fabseq/tasks/tasks.h"
+#include "tasks/repaired_sequence.h"
 #include "tasks/sensitivity.h"
 
 #include <utility>
@@ -59,19 +60,28 @@ template <int Dim>
 FinalReports final_reports(const Setup<Dim>& setup, const Problem<Dim>& problem, Pipeline<Dim>& pipeline,
                            const BestIterate& best, PhaseTimer& timer) {
   FinalReports reports;
-  const auto report = [&](bool binary) {
-    const auto state = pipeline.run(best.design(), best.beta(), binary);
-    reports.interior_minima = count_interior_minima<Dim>(setup.part, state.time.time);
-    return report_sequence(setup, problem, pipeline, state);
-  };
-  reports.binary = report(true);
+  const auto state = pipeline.run(best.design(), best.beta(), true);
+  reports.interior_minima = count_interior_minima<Dim>(setup.part, state.time.time);
+  reports.binary = report_sequence(setup, problem, pipeline, state);
+  auto repaired =
+      setup.config.optimizer.repair_iterations > 0
+          ? repair_sequence(setup, problem, pipeline, best.design(), best.beta(), reports.binary, timer)
+          : std::nullopt;
+  if (repaired) {
+    reports.binary = std::move(repaired->binary);
+    reports.repair = std::move(repaired->repair);
+  }
+  Pipeline<Dim>& last = repaired ? *repaired->pipeline : pipeline;
   drop_unwritten_fields(reports.binary);
   // Reports take memory. Planar layers, which need a pipeline of their own, come while there are few, and not
   // beside another pipeline's solvers.
-  pipeline.give_back_memory();
+  last.give_back_memory();
   reports.baselines = other_baselines(setup, problem, reports.binary, timer);
-  reports.optimized = report(false);
-  reports.optimized.strain = strain_when_built(pipeline);
+  reports.optimized =
+      report_sequence(setup, problem, last,
+                      last.run(repaired ? repaired->design : best.design(), best.beta(), /*binary=*/false));
+  reports.optimized.strain = strain_when_built(last);
+  last.give_back_memory();
   reports.start = start_report(setup, problem, pipeline, best.beta());
   reports.limits = constraint_limits(setup, problem);
   reports.miss = miss_of_best(setup, problem, reports, best);

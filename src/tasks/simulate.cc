@@ -18,9 +18,11 @@
 #include "fabseq/report/sequence_report.h"
 #include "fabseq/tasks/starting_design.h"
 #include "fabseq/tasks/tasks.h"
+#include "tasks/repaired_sequence.h"
 
 #include <cmath>
 #include <optional>
+#include <utility>
 
 namespace fabseq {
 
@@ -63,11 +65,12 @@ struct Stress {
 /// What a simulation found out.
 template <int Dim>
 struct Simulation {
-  Design design;
   SequenceReport report;
   Stress<Dim> stress;
   std::vector<double> increment_norms;  ///< of each layer
   std::optional<Stress<Dim>> released = std::nullopt;
+  Design design = {};
+  std::optional<RepairReport> repair = std::nullopt;
 
   const FinishedShape& shape() const { return *report.finished; }
 };
@@ -78,6 +81,24 @@ Stress<Dim> released_stress(const ElasticModel<Dim>& model, const Part<Dim>& par
   std::vector<double> stress = finished_stress(model, model.on_all_nodes(simulation.shape().release));
   for (std::size_t i = 0; i < stress.size(); ++i) stress[i] += simulation.stress.field[i];
   return {part, std::move(stress)};
+}
+
+/// What the last run of a pipeline comes to.
+template <int Dim>
+Simulation<Dim> simulation_of(const Setup<Dim>& setup, Pipeline<Dim>& pipeline,
+                              const PipelineState<Dim>& state, SequenceReport report) {
+  const ProcessSimulation<Dim>& process = pipeline.process();
+  Simulation<Dim> result{std::move(report),
+                         {setup.part, residual_stress(process, state.layers)},
+                         increment_norms(process, state.layers.count(), setup.grid.comm())};
+  result.report.strain = strain_when_built(pipeline);
+  const FinishedShape& shape = result.shape();
+  if (shape.released)
+    result.released = released_stress(process.model(), setup.part, result);
+  else if (shape.failure.empty())
+    warn("no release_displacement: " +
+         release_obstacle(setup.grid, setup.supports, setup.config.process.void_model));
+  return result;
 }
 
 /// result.h5 and result.xdmf.
@@ -127,6 +148,7 @@ Json to_record(const Setup<Dim>& setup, const Simulation<Dim>& simulation, const
                               {"status", failed ? "failed" : "converged"},
                               {"reason", failed ? failure : "simulated"}});
   add_members(record, simulation.report, setup.settings);
+  if (simulation.repair) record["repair"] = to_record(*simulation.repair);
   set_layer_variables(record, setup.layers->variables(), simulation.design);
   record["layer_displacement_norms"] = simulation.increment_norms;
   record["residual_stress"] = to_record(simulation.stress.extremes);
@@ -166,27 +188,26 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   const OutputDirectory directory = make_output_directory(setup, command_line);
   const StopFile stop_file(setup.groups.domain(), directory.file("stop"));
 
-  const auto state = pipeline.run(design, setup.layers->traits().first_beta, setup.binary());
-  const ProcessSimulation<Dim>& process = pipeline.process();
-  Simulation<Dim> simulation{design,
-                             report_sequence(setup, problem, pipeline, state),
-                             {setup.part, residual_stress(process, state.layers)},
-                             increment_norms(process, state.layers.count(), setup.grid.comm())};
-  simulation.report.strain = strain_when_built(pipeline);
-  const FinishedShape& shape = simulation.shape();
-  if (shape.released)
-    simulation.released = released_stress(process.model(), setup.part, simulation);
-  else if (shape.failure.empty())
-    warn("no release_displacement: " +
-         release_obstacle(setup.grid, setup.supports, setup.config.process.void_model));
+  const double beta = setup.layers->traits().first_beta;
+  const auto state = pipeline.run(design, beta, setup.binary());
+  SequenceReport report = report_sequence(setup, problem, pipeline, state);
+  auto repaired = command_line.repair ? repair_sequence(setup, problem, pipeline, design, beta, report, timer)
+                                      : std::nullopt;
+  if (repaired) report = std::move(repaired->binary);
+  Pipeline<Dim>& last = repaired ? *repaired->pipeline : pipeline;
+  Simulation<Dim> simulation =
+      simulation_of(setup, last, repaired ? repaired->state : state, std::move(report));
+  simulation.design = repaired ? repaired->design : design;
+  if (repaired) simulation.repair = std::move(repaired->repair);
 
-  write_fields(setup, directory, pipeline, simulation);
+  write_fields(setup, directory, last, simulation);
   const Json record = to_record(setup, simulation, {timer.seconds(), MPI_Wtime() - start});
   directory.write("summary.json", to_text(record, 2) + "\n");
-  print(process.solver_description());
+  print(last.process().solver_description());
   print_numbers(setup, simulation);
   print("results in " + directory.path());
-  if (!shape.failure.empty()) throw NumericalError(shape.failure);
+  const std::string& failure = simulation.shape().failure;
+  if (!failure.empty()) throw NumericalError(failure);
 }
 
 FABSEQ_INSTANTIATE_FUNCTION(run_simulate);

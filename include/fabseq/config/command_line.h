@@ -27,6 +27,7 @@ struct CommandLine {
   std::optional<double> max_wall_time;       ///< -max_wall_time, seconds
   bool overwrite = false;                    ///< -overwrite
   bool picture = false;                      ///< -picture
+  bool repair = false;                       ///< -repair
   bool help = false, version = false;
   bool help_markdown = false;  ///< -help_markdown: print reference_table()
   /// -set and flat options in their order: dotted path of a config key, and the text of its value.

@@ -5,6 +5,7 @@
 
 #include "fabseq/part/part.h"
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -14,6 +15,8 @@ namespace fabseq {
 
 /// What is wrong with an element; the numbers are those of the field `fault`.
 enum class Fault { hanging = 1, local_thickness = 2, tilt = 3, blocked = 4 };
+inline constexpr std::array all_faults = {Fault::hanging, Fault::local_thickness, Fault::tilt,
+                                          Fault::blocked};
 
 /// What a place is, as far as it decides what a welder does about it.
 enum class PlaceForm {

@@ -28,6 +28,7 @@ struct OptimizerSettings {
   double constraint_margin = 0.95;
   int binary_iterations = 0;                         ///< the last ones, judged by binary layers
   int repair_iterations = 0;                         ///< after the last, where limits are still missed
+  double repair_share = 0.005;                       ///< of the part, that a repair of layers may move
   int coarse_iterations = 0;                         ///< before the others, at half the resolution
   int coarse_grids = 1;                              ///< among which they are shared out
   Json starts = Json::array();                       ///< values of sequence.initial to try first

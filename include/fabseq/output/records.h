@@ -69,6 +69,8 @@ Json to_record(const Summary& summary);
 Json to_record(const SequenceNumbers& numbers, const ModelSettings& settings);
 void add_members(Json& record, const SequenceNumbers& numbers, const ModelSettings& settings);
 Json to_record(const DisplacementSize& size);
+/// The block "repair".
+Json to_record(const RepairReport& repair);
 
 /// Variables of the layers, where a design has them, as a dataset GROUP + their name; `group` ends in '/' or
 /// is empty. Collective on the writer's communicator.

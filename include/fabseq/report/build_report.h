@@ -74,6 +74,17 @@ struct BuildReport {
   BuildFields fields;
 };
 
+/// By how much each part element fails a check, > 0 where it does; none where the check is not made.
+std::optional<std::vector<double>> fault_marks(const BuildFields& fields, const ModelSettings& settings,
+                                               Fault fault);
+
+/// The checks of a pseudo-time cut into layers (docs/formulation.md 13.1). `layers`: only time points,
+/// sub-parts and the number of layers count. `layer_index`: the layer of each part element, from 1.
+/// `with_places`: with the places at which the checks fail. Collective.
+template <int Dim>
+BuildReport check_layers(const Model<Dim>& model, const PseudoTime<Dim>& time, const LayerDensities& layers,
+                         std::vector<double> layer_index, bool with_places);
+
 /// The checks of a pipeline's last run, of its binary layers whatever layers it ran with (docs/formulation.md
 /// 13.1). Collective.
 template <int Dim>

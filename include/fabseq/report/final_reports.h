@@ -4,6 +4,7 @@
 #pragma once
 
 #include "fabseq/report/constraint_miss.h"
+#include "fabseq/report/layer_changes.h"
 #include "fabseq/report/sequence_report.h"
 
 #include <cstdint>
@@ -35,6 +36,7 @@ struct Baseline {
 /// measured by beside the planar baseline, the binary layers of the design that the config starts from.
 struct FinalReports {
   SequenceReport optimized, binary;
+  std::optional<RepairReport> repair;   ///< of both; none: nothing was repaired
   std::optional<SequenceReport> start;  ///< none if its solves failed
   std::vector<Baseline> baselines;      ///< without those whose solves failed
   std::vector<ConstraintLimit> limits;  ///< of the constraints

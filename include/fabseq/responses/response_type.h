@@ -73,6 +73,8 @@ class ResponseType : public ResponseTraits {
   virtual std::vector<ConfigKey> keys() const = 0;
   /// The settings, Term::own, that a completed config object describes.
   virtual std::any read(const Json& object) const = 0;
+  /// The settings with the keys' defaults.
+  virtual std::any defaults() const = 0;
   /// The term with another aggregate over the scenarios of the strain; none for types that have none.
   virtual std::optional<Term> aggregated(const Term& term, Aggregate aggregate) const = 0;
   /// Checks relations of the term's keys to each other and to the rest of the config. Throws InputError.
@@ -114,6 +116,7 @@ class Registered : public ResponseType {
     keys_.read(settings, object, {"", 0});
     return settings;
   }
+  std::any defaults() const override { return Settings{}; }
   std::optional<Term> aggregated(const Term& term, Aggregate aggregate) const override {
     if constexpr (requires(Settings & settings) { settings.aggregate = aggregate; }) {
       Settings settings = own(term);
