@@ -59,6 +59,11 @@ void add_part(Section<Config>& keys) {
            })
       .key("substrate", "Stands from the start, such as a base plate: elements whose centre is in the shape",
            {.type = KeyType::shape}, shape_of(&PartDescription::substrate))
+      .key("stock",
+           "Is built, too, and machined away afterwards, as what fills a hole: elements whose centre is in "
+           "the "
+           "shape",
+           {.type = KeyType::shape}, shape_of(&PartDescription::stock))
       .key("clamps",
            "Nodes in the shape are held instead of the plate's; without it, with a substrate: its lowest "
            "nodes",

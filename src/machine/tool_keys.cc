@@ -26,6 +26,8 @@ Section<ToolSettings> tool_keys() {
            [](Its& tool, const Json& value, const KeyPlace&) {
              tool.thickness = {value[0].get<double>(), value[1].get<double>()};
            })
+      .key("bridge", &Its::bridge, "Span that a bead bridges, for -task check; auto: two widths of a bead",
+           {.range = "[0, inf)", .words = "auto", .unit = "length"})
       .key("most_places", &Its::most_places,
            "Most places smaller than a bead with which a sequence still is buildable but for them; 0: none",
            {.range = "[0, 50]"})

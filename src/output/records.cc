@@ -97,6 +97,7 @@ void add_build(Json& record, const BuildNumbers& numbers, const ModelSettings& s
     record["places"] = to_record(*places, settings);
     record["places_in_all"] = places->in_all;
   }
+  if (numbers.stock > 0.0) record["stock"] = numbers.stock;
   if (numbers.wire) record["wire_mass"] = *numbers.wire;
   if (numbers.hours) record["build_hours"] = *numbers.hours;
   if (const auto& stress = numbers.stress)

@@ -39,6 +39,7 @@ Part<Dim>::Part(const Grid<Dim>& grid, const PartDescription& description, const
   density_ = read_density<Dim>(grid.comm(), grid.domain(), description, grid.owned_elements(), &clarity);
   if (mesh_) measure_share_of_mesh();
   if (mesh_ && description.announce) warn_about(clarity);
+  const double stock = add_stock<Dim>(grid.domain(), description, grid.owned_elements(), density_);
   for (std::size_t e = 0; e < density_.size(); ++e)
     if (substrate_.elements()[e] != 0) density_[e] = 0.0;
   refuse_empty_part(description);
@@ -50,6 +51,7 @@ Part<Dim>::Part(const Grid<Dim>& grid, const PartDescription& description, const
   drop_or_refuse_hanging_pieces(description, map.piece_of_element);
   collect_elements(distance);
   measure_extent();
+  share_of_stock_ = sum(grid.comm(), stock) * grid.element_volume() / volume_;
   touched_nodes_ = nodes_of_elements(grid, elements_);
 }
 

@@ -183,10 +183,24 @@ std::vector<double> read_density(MPI_Comm comm, const Domain<Dim>& domain, const
 }
 
 template <int Dim>
+double add_stock(const Domain<Dim>& domain, const PartDescription& description, const IndexBox<Dim>& box,
+                 std::span<double> density) {
+  if (!description.stock) return 0.0;
+  const std::vector<double> stock = evaluate_shape<Dim>(domain, *description.stock, box);
+  double added = 0.0;
+  for (std::size_t e = 0; e < density.size(); ++e) {
+    added += std::max(0.0, stock[e] - density[e]);
+    density[e] = std::max(density[e], stock[e]);
+  }
+  return added;
+}
+
+template <int Dim>
 ElementWeights<Dim> element_weights(MPI_Comm comm, const Domain<Dim>& domain,
                                     const PartDescription& description) {
   return [comm, domain, &description](const IndexBox<Dim>& box) {
     std::vector<double> weights = read_density<Dim>(comm, domain, description, box);
+    add_stock<Dim>(domain, description, box, weights);
     if (description.substrate) {
       const std::vector<double> substrate = evaluate_shape<Dim>(domain, *description.substrate, box);
       for (std::size_t e = 0; e < weights.size(); ++e) weights[e] = std::max(weights[e], substrate[e]);
@@ -202,6 +216,7 @@ Grid<Dim> make_balanced_grid(MPI_Comm comm, const Domain<Dim>& domain, const Par
 }
 
 FABSEQ_INSTANTIATE_FUNCTION(read_density);
+FABSEQ_INSTANTIATE_FUNCTION(add_stock);
 template ElementWeights<3> element_weights<3>(MPI_Comm, const Domain<3>&, const PartDescription&);
 FABSEQ_INSTANTIATE_FUNCTION(make_balanced_grid);
 

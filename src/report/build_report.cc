@@ -203,6 +203,7 @@ template <int Dim>
 BuildReport report_build(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
                          const PipelineState<Dim>& state, int used_layers) {
   BuildReport report = check_places(model, pipeline, state);
+  report.numbers.stock = model.part.share_of_stock();
   estimate_time(model.settings, model.part.volume(), used_layers, report.numbers);
   if (const auto yield = model.settings.material.yield_stress) {
     const std::vector<double> stress = residual_stress(pipeline.process(), state.layers);

@@ -40,6 +40,7 @@ class HeadlineWriter {
     add_comparison();
     add_largest();
     add_scaled_drawing();
+    add_stock();
     for (const LateSet& set : reports_.binary.late_sets) result_.words.push_back(set.words());
     add_places();
     return std::move(result_);
@@ -125,6 +126,13 @@ class HeadlineWriter {
                " does more, without any optimized sequence: it leaves " +
                length_words(result_.scaled->rms, settings_.unit) + " of the skin's rms";
     result_.words.push_back(words);
+  }
+
+  void add_stock() {
+    const auto& build = reports_.binary.build;
+    if (build && build->stock > 0.0)
+      result_.words.push_back(percent_words(build->stock) +
+                              " of the part is machining stock, to be machined away (stock)");
   }
 
   void add_places() {

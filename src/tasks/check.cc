@@ -3,8 +3,10 @@
 #include "fabseq/base/machine_cores.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
+#include "fabseq/machine/holes.h"
 #include "fabseq/optimize/stage.h"
 #include "fabseq/part/wall_thickness.h"
+#include "fabseq/report/verdict.h"
 #include "fabseq/sequence/geodesic_distance.h"
 #include "fabseq/sequence/given_sequence.h"
 #include "fabseq/sequence/sequence_kind.h"
@@ -112,6 +114,29 @@ void print_walls(const Part<Dim>& part) {
     print(formatted("thinnest wall: %.2g elements at %s", wall.elements, to_text<Dim>(wall.at).c_str()));
 }
 
+/// Where no sequence within the tilt can carry the part, whatever it is.
+template <int Dim>
+void print_uncarried(const Setup<Dim>& setup) {
+  constexpr std::size_t most = 10;
+  const ToolSettings& tool = setup.config.tool;
+  const std::string& unit = setup.settings.unit;
+  if (setup.part.share_of_stock() > 0.0)
+    print("machining stock: " + percent_words(setup.part.share_of_stock()) + " of the part");
+  const auto places = find_uncarried(setup.part, tool);
+  for (std::size_t i = 0; i < places.size() && i < most; ++i) {
+    const UncarriedPlace<Dim>& place = places[i];
+    const std::string why = formatted(", which no layers within %.3g degrees carry: ", tool.max_tilt);
+    if (place.is_roof)
+      print("hole: " + to_text<Dim>(place.hole_lower) + " to " + to_text<Dim>(place.hole_upper) +
+            ", its roof spans " + length_words(place.span, unit) + why + "a bead bridges " +
+            length_words(bridged_span(setup.part, tool), unit) + "; close it (stock) and drill");
+    else
+      print("in the air: " + to_text<Dim>(place.lower) + " to " + to_text<Dim>(place.upper) + why +
+            "turn the part, or let the table tilt further");
+  }
+  if (places.size() > most) print(formatted("%zu other such places", places.size() - most));
+}
+
 }  // namespace
 
 template <int Dim>
@@ -142,6 +167,7 @@ void run_check(const Setup<Dim>& setup) {
   }
   const double height = geodesic_height(part, distance);
   print_walls(part);
+  print_uncarried(setup);
   print(formatted("height along the plate's normal %.6g, geodesic %.6g", planar_height(part, {}), height));
   const LayerTraits& layers = setup.layers->traits();
   print(formatted("layers: %s%d %s, %d planar in the baseline", layers.count_is_estimate ? "about " : "",

@@ -64,6 +64,25 @@ class NewConfigTest(NewConfigCase):
                              int("--max-tilt" not in words))
             self.assertEqual(self.warnings, "")
 
+    def test_holes(self):
+        """A portal's roof that upright layers do not carry is named; --fill-holes closes the portal."""
+        write_stl(self.path("portal.stl"), [*box_triangles((0, 0, 0), (10, 30, 30)), *box_triangles((50, 0, 0), (60, 30, 30)),
+                                            *box_triangles((0, 0, 30), (60, 30, 40))])
+        self.run_new("portal.stl", "--max-tilt", "20")
+        hole = r"a hole of (40|40\.\d) x (30|29\.\d) x (30|29\.\d) mm near \[30,15,1[45].*\], whose roof spans (29|30)"
+        self.assertRegex(self.warnings, hole)
+        self.assertIn("no layers within 20 degrees carry it; --fill-holes closes it", self.warnings)
+        self.assertNotIn("stock", read_config(self.path("portal.json")))
+        printed = self.run_new("portal.stl", "--max-tilt", "20", "--fill-holes", "--overwrite")
+        self.assertRegex(printed, f"closed, to be drilled: {hole}")
+        self.assertEqual(self.warnings, "")
+        done = self.check("portal.json")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertRegex(done.stdout, r"machining stock: (49|50|51)(\.\d)? % of the part")
+        self.assertNotIn("hole:", done.stdout)
+        printed = self.run_new("portal.stl", "--fill-holes", "--overwrite")
+        self.assertIn("holes: layers within 60 degrees carry every roof, or a bead bridges it: none is closed", printed)
+
     def test_rotate(self):
         """The grid is that of the turned surface; degrees may begin with a minus."""
         write_box(self.path("bar.stl"), (60.0, 20.0, 10.0))

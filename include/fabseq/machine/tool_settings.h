@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 namespace fabseq {
@@ -26,6 +27,7 @@ struct ToolSettings {
   /// but for them.
   int most_places = 5;
   double places_share = 0.005;
+  std::optional<double> bridge;  ///< span that a bead bridges, length unit; none: two widths of a bead
 };
 
 Section<ToolSettings> tool_keys();

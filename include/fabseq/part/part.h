@@ -41,6 +41,7 @@ struct PartDescription {
   int sampling = 1;
   /// What stands from the start. Elements in both shapes belong to the substrate, not to the part.
   std::optional<Shape> substrate = std::nullopt;
+  std::optional<Shape> stock = std::nullopt;  ///< elements in it belong to the part, too: to be machined away
   std::optional<Shape> clamps = std::nullopt;  ///< nodes in it are held instead of the plate's
   /// What a MeshFile holds, which must be there before densities are asked for.
   std::shared_ptr<const PlacedMesh> mesh = nullptr;
@@ -53,6 +54,12 @@ struct PartDescription {
 template <int Dim>
 std::vector<double> read_density(MPI_Comm comm, const Domain<Dim>& domain, const PartDescription& description,
                                  const IndexBox<Dim>& box, Clarity* clarity = nullptr);
+
+/// Fills the elements of `box` that lie in the description's stock. Returns by how many whole elements the
+/// densities rise on this rank. Not collective.
+template <int Dim>
+double add_stock(const Domain<Dim>& domain, const PartDescription& description, const IndexBox<Dim>& box,
+                 std::span<double> density);
 
 /// Weights by which a decomposition is balanced: elements of part and substrate count 1, all others a tenth,
 /// because they take part in the heat problem only. `description` must outlive the returned function, whose
@@ -80,6 +87,8 @@ class Part {
   const BuildPlate& plate() const { return plate_; }
   const Substrate<Dim>& substrate() const { return substrate_; }
 
+  /// Share of the part's volume that is machining stock: that PartDescription::stock has added.
+  double share_of_stock() const { return share_of_stock_; }
   /// What the part comes from, if that is a mesh; else null.
   const PlacedMesh* mesh() const { return mesh_.get(); }
   /// Volume of the elements that the mesh fills, substrate and dropped pieces included, over the volume
@@ -170,7 +179,7 @@ class Part {
   BuildPlate plate_;
   Substrate<Dim> substrate_;
   std::shared_ptr<const PlacedMesh> mesh_;
-  double share_of_mesh_ = 1.0;
+  double share_of_mesh_ = 1.0, share_of_stock_ = 0.0;
   std::vector<double> density_, part_density_, contact_distance_;
   std::vector<int> elements_, first_corners_;
   std::int64_t count_ = 0, plate_contact_ = 0;

@@ -48,6 +48,7 @@ struct BuildNumbers {
   MarkedElements hanging;                         ///< elements that begin in the air
   MarkedElements interior_minima, interior_maxima;
   std::optional<FaultyPlaces> places;   ///< check_places() looks for them
+  double stock = 0.0;                   ///< Part::share_of_stock()
   std::optional<double> wire, hours;    ///< kg; build time. None without density and deposition rate
   std::optional<StressNumbers> stress;  ///< where the config has a yield stress
 };

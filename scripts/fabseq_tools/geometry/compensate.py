@@ -40,7 +40,7 @@ COMMAND = "compensate"
 FILLED = 0.5  # share of an element
 FACTOR = number_type("above 0, up to 2", lambda value: 0 < value <= 2)  # what --factor takes
 FILL = number_type("a share above 0, up to 1, or grey", lambda value: 0 < value <= 1)
-KEPT = "name", "domain", "build_plate", "substrate", "clamps", "material", "process", "layers", "solver"
+KEPT = "name", "domain", "build_plate", "substrate", "stock", "clamps", "material", "process", "layers", "solver"
 
 
 def fill(text):

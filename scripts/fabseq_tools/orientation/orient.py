@@ -50,7 +50,7 @@ from fabseq_tools.run.verdict_words import in_short, verdict_of
 COMMAND = "orient"
 
 WITHOUT_START = "planar", "file"  # types of sequences
-NOT_COMPARED = "node_sets", "substrate", "clamps", "constraints", "baseline", "run"  # keys that are left out
+NOT_COMPARED = "node_sets", "substrate", "stock", "clamps", "constraints", "baseline", "run"  # keys that are left out
 AS_GIVEN = "as_given"  # orientation of the config itself, where that has to be looked at
 
 

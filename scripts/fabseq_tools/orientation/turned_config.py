@@ -9,7 +9,7 @@ import re
 from fabseq_tools.orientation.turned_shapes import CannotTurn
 from fabseq_tools.run.command_line import RunError, run_program, write_json
 
-STANDING = "substrate", "clamps"  # sections with a shape that stands where the part stood
+STANDING = "substrate", "stock", "clamps"  # sections with a shape that stands where the part stood
 SURFACE = "compared_surface"      # node set of the objective of an orientation that has lost its own
 NO_NODE = "no node that touches the part"
 LEAST_LEFT = 0.5   # of its nodes: a set with fewer lies between planes of the turned grid

@@ -7,6 +7,7 @@ from fabseq_tools.run.check_words import percent
 from fabseq_tools.run.command_line import RunError
 from fabseq_tools.start.config_text import plain
 from fabseq_tools.start.entries import entries_of
+from fabseq_tools.start.holes import with_stock
 from fabseq_tools.start.look import MOST_LOOKS, OUTSIDE, found_in
 from fabseq_tools.start.materials import material_of
 
@@ -163,7 +164,7 @@ def warnings_of(text, found):
 
 
 def choose(arguments, look):
-    """The entries of the config, and warnings."""
+    """The entries of the config, what there is to tell of it, and warnings."""
     material, material_warnings = material_of(arguments)
     target = arguments.thickness or arguments.bead_height
     element = Element(arguments, look, target)
@@ -185,9 +186,12 @@ def choose(arguments, look):
                         "on the plate")
     count = layers_for(found, target)
     entries = entries_of(arguments, look, element, material, target, why_target, count)
-    content = plain(entries)
-    last = found_in(found.edge, found.floor, *look.check(content))
+    printed, said = look.check(plain(entries))
+    entries, remarks, uncarried = with_stock(arguments, printed, entries)
+    if "stock" in plain(entries):
+        printed, said = look.check(plain(entries))
+    last = found_in(found.edge, found.floor, printed, said)
     if arguments.memory and last.memory > arguments.memory:
         warnings.append(f"a run takes {last.memory:g} GB, more than --memory {arguments.memory:g}")
     entries[1].remark += (f" {last.elements:,} elements, {last.memory:g} GB on one rank, about {last.seconds:g} s an iteration.")
-    return entries, warnings + [said for text in last.warnings for said in warnings_of(text, found)]
+    return entries, remarks, warnings + uncarried + [line for text in last.warnings for line in warnings_of(text, found)]

@@ -3,7 +3,7 @@
 
     fabseq-tools new PART [-o CONFIG.json] [--overwrite] [--unit mm] [--scale FACTOR]
                      [--thickness T | --bead-height H] [--bead-width W] [--max-tilt DEGREES]
-                     [--sequence heat|guided] [--keep connected|all] [--rotate X,Y,Z]
+                     [--sequence heat|guided] [--keep connected|all] [--fill-holes] [--rotate X,Y,Z]
                      [--elements N | --memory GB] [--material NAME] [--iterations N]
                      [--program build/release/fabseq]
 
@@ -24,6 +24,8 @@ of several sizes. What is chosen stands in the config, each with the reason as a
   volume. Smaller elements are tried first, where they may join them. For a piece that is most of the part,
   the plate is moved up (domain.origin), and what lies below is cut off, as is a point or an edge on which the
   part would stand. --keep connected keeps what stands on the plate instead; --keep all refuses pieces off it.
+- Holes, slots and arches whose roofs no layers within the tilt can carry, and that are wider than a bead
+  bridges, are named with size and place. --fill-holes closes them (stock): they are drilled afterwards.
 - The objective: the shape of the skin after the release (of several pieces on one plate: before it), and, of
   heat, even layers. Constraints: the thickness of each layer and, place by place, the range of
   tool.thickness; a whole last layer; no element begins in the air; the tilt, if it has a limit.
@@ -71,7 +73,7 @@ def main(words):
     with tempfile.TemporaryDirectory() as folder, Progress(COMMAND) as progress:
         look = Look(arguments, folder, progress)
         warn_of_unit(arguments, look.size)
-        entries, warnings = choose(arguments, look)
+        entries, remarks, warnings = choose(arguments, look)
     folder = os.path.dirname(os.path.abspath(output))
     os.makedirs(folder, exist_ok=True)
     head = f"{os.path.basename(arguments.part)}: what fabseq-tools new has chosen; all lengths in {arguments.unit}."
@@ -82,6 +84,8 @@ def main(words):
             print(line)
     if arguments.usual_tilt:
         print(f"tilt: at most {USUAL_TILT:g} degrees between torch and plate's normal; --max-tilt says otherwise, 180: no limit")
+    for line in remarks:
+        print(line)
     for text in warnings:
         warn(COMMAND, text)
     print(f"{output}: written; look at it, then run it with")
@@ -129,6 +133,7 @@ def parsed(words):
     parser.add_argument("--sequence", choices=["heat", "guided"], help="default: guided with a tilt below 90, else heat")
     parser.add_argument("--keep", choices=["connected", "all"],
                         help="pieces on the plate, or refuse others (default: as much of the part as stands)")
+    parser.add_argument("--fill-holes", action="store_true", help="whose roofs no layers within the tilt carry: machining stock")
     parser.add_argument("--rotate", type=turns, default=[0.0] * 3, metavar="X,Y,Z", help="degrees about x, then y, then z")
     bound = parser.add_mutually_exclusive_group()
     bound.add_argument("--elements", type=positive, metavar="N", help="of the part, at most (default: 50000)")
