@@ -7,7 +7,7 @@ from fabseq_tools.run.check_words import percent
 from fabseq_tools.run.command_line import RunError
 from fabseq_tools.start.config_text import plain
 from fabseq_tools.start.entries import entries_of
-from fabseq_tools.start.holes import with_stock
+from fabseq_tools.start.holes import stock_of
 from fabseq_tools.start.look import MOST_LOOKS, OUTSIDE, found_in
 from fabseq_tools.start.materials import material_of
 
@@ -187,8 +187,12 @@ def choose(arguments, look):
     count = layers_for(found, target)
     entries = entries_of(arguments, look, element, material, target, why_target, count)
     printed, said = look.check(plain(entries))
-    entries, remarks, uncarried = with_stock(arguments, printed, entries)
-    if "stock" in plain(entries):
+    stock, remarks, uncarried = stock_of(arguments, printed)
+    if stock:  # the part is another one, and may be less high along itself
+        printed, _ = look.check(plain(entries) | plain([stock]))
+        count = layers_for(found_in(found.edge, found.floor, printed, []), target)
+        entries = entries_of(arguments, look, element, material, target, why_target, count)
+        entries.insert(3, stock)  # behind the part
         printed, said = look.check(plain(entries))
     last = found_in(found.edge, found.floor, printed, said)
     if arguments.memory and last.memory > arguments.memory:

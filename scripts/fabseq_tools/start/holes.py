@@ -26,21 +26,19 @@ class Hole:
         return {"box": {"min": self.low, "max": self.high}}
 
 
-def with_stock(arguments, printed, entries):
-    """The entries of a config of which -task check has `printed` this, with the stock that --fill-holes asks
-    for; what there is to tell, and warnings."""
+def stock_of(arguments, printed):
+    """The entry that closes the holes of a part of which -task check has `printed` this, where --fill-holes
+    asks for it and there are any, or None; what there is to tell, and warnings."""
     limit = f"{arguments.max_tilt:g} degrees"
     holes = [Hole(point(low), point(high), span) for low, high, span in HOLE.findall(printed)]
     warnings = [f"what lies in [{low}] to [{high}] is carried by no layers within {limit}: turn the part (fabseq-tools orient), "
                 "or let the table tilt further" for low, high in IN_THE_AIR.findall(printed)]
     if not arguments.fill_holes:
-        return entries, [], [f"{hole.words(arguments.unit)}: no layers within {limit} carry it; --fill-holes closes it"
-                             for hole in holes] + warnings
+        return None, [], [f"{hole.words(arguments.unit)}: no layers within {limit} carry it; --fill-holes closes it"
+                          for hole in holes] + warnings
     if not holes:
-        return entries, [f"holes: layers within {limit} carry every roof, or a bead bridges it: none is closed"], warnings
+        return None, [f"holes: layers within {limit} carry every roof, or a bead bridges it: none is closed"], warnings
     boxes = [hole.box() for hole in holes]
-    stock = Entry("stock", boxes[0] if len(boxes) == 1 else {"union": boxes},
-                  f"Fills holes whose roofs no layers within {limit} carry (--fill-holes): machining stock, to be drilled.")
-    position = [entry.key for entry in entries].index("part") + 1
-    return ([*entries[:position], stock, *entries[position:]],
+    return (Entry("stock", boxes[0] if len(boxes) == 1 else {"union": boxes},
+                  f"Fills holes whose roofs no layers within {limit} carry (--fill-holes): machining stock, to be drilled."),
             [f"closed, to be drilled: {hole.words(arguments.unit)}" for hole in holes], warnings)
