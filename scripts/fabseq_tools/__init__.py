@@ -8,7 +8,7 @@ imports from its own package and from those before it in this order, never from 
 
 run: output directories, configs, command lines. geometry: grids, surfaces, bodies, layers. plot: pictures.
 paths: torch paths. calculix: decks for another solver. calibration: measured parts. orientation: which way
-up. start: first configs. study: one part within several limits. report: pages for a browser.
+up. start: first configs. study: one part within several limits, layers mended. report: pages for a browser.
 """
 
 import logging

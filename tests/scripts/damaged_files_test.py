@@ -45,6 +45,7 @@ RUNS = {"report": (["{run}"], ["config.json", "result.h5"]), "overview": (["{run
         "paths": (["{run}", "--bead-width", "0.2"], ["config.json", "summary.json", "result.h5"]),
         "import-paths": (["{run}/paths.csv", "{run}"], ["config.json", "paths.csv"]),
         "compensate": (["{run}"], ["config.json", "summary.json", "result.h5"]),
+        "repair": (["{run}"], ["config.json", "summary.json", "result.h5"]),
         "calculix": (["{run}"], ["config.json", "summary.json", "result.h5"]),
         "compare-calculix": (["{run}", "{run}/finished.dat"], ["config.json", "summary.json", "result.h5", "finished.dat"]),
         "calibrate": (["{run}/config.json", "{run}/paths.csv", "--output", "{run}/out"], ["config.json"]),

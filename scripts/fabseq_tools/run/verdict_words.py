@@ -112,6 +112,11 @@ def class_words(name):
     return (name or "not judged").replace("_", " ")
 
 
+def class_with_places(name, count):
+    """A class as verdicts have it in short: "buildable but for 2 places"."""
+    return f"buildable but for {count:,} place{'s' * (count != 1)}" if name == CLASSES[1] else class_words(name)
+
+
 def why_not(run):
     """The reasons against the run's layers, a sentence each."""
     found = verdict(run, result_of(run))
