@@ -52,7 +52,10 @@ std::optional<RepairedTime<Dim>> repair_layers(const Model<Dim>& model, const Ps
   if (model.settings.layers.multi_planar) return std::nullopt;
   const double most_elements = most_share * static_cast<double>(model.part.count());
   const auto layers = model.layers->make(layer_variables, model.layers->traits().last_beta, true, {});
-  const CutTime<Dim> start = cut(model, *layers, time);
+  PseudoTime<Dim> own = time;
+  const bool is_recorded = any(model.grid.comm(), time.gradient.empty() && !time.recorded_gradient.empty());
+  if (is_recorded) std::swap(own.gradient, own.recorded_gradient);
+  const CutTime<Dim> start = cut(model, *layers, std::move(own));
   if (start.in_all() == 0 || static_cast<double>(start.in_all()) > most_elements) return std::nullopt;
   CutTime<Dim> result = TimeMending<Dim>(model, *layers).mend(start, most_elements);
   if (result.in_all() > 0) result = move_elements(model, *layers, result, most_elements);
@@ -60,6 +63,7 @@ std::optional<RepairedTime<Dim>> repair_layers(const Model<Dim>& model, const Ps
   LayerChanges changes{repaired_elements(model.part, start, result),
                        moved_elements(model.part, start, result)};
   if (static_cast<double>(changes.moved.size()) > most_elements) return std::nullopt;
+  if (is_recorded) std::swap(result.time.gradient, result.time.recorded_gradient);
   return RepairedTime<Dim>{std::move(result.time), std::move(changes)};
 }
 

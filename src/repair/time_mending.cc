@@ -63,7 +63,10 @@ TimeMending<Dim>::TimeMending(const Model<Dim>& model, const Layers& layers)
 
 template <int Dim>
 CutTime<Dim> TimeMending<Dim>::mend(const CutTime<Dim>& start, double most_elements) {
-  if (!any(model_.grid.comm(), !times_of_nodes(model_.part, start.time).empty())) return start;
+  const MPI_Comm comm = model_.grid.comm();
+  if (!any(comm, !start.time.gradient.empty()) ||
+      !any(comm, !times_of_nodes(model_.part, start.time).empty()))
+    return start;
   CutTime<Dim> best = start;
   for (const std::vector<double>& place : places_of(start)) {
     const CutTime<Dim> before = best;
@@ -190,7 +193,7 @@ PseudoTime<Dim> TimeMending<Dim>::time_of(const PseudoTime<Dim>& from,
   PseudoTime<Dim> result = from;
   ElementMeans means = element_means(model_.part, element_, model_.grid.exchange(1).ghosted(nodal));
   result.time = std::move(means.mean);
-  (from.gradient.empty() ? result.recorded_gradient : result.gradient) = std::move(means.gradient);
+  result.gradient = std::move(means.gradient);
   if (!from.temperature.empty())
     for (std::size_t n = 0; n < nodal.size(); ++n) result.temperature[n] = 1.0 - nodal[n];
   if (!from.nodal.empty()) result.nodal = nodal;

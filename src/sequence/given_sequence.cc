@@ -93,17 +93,26 @@ std::vector<double> recorded_gradient(const Part<Dim>& part, const std::string& 
   return result;
 }
 
-/// Times of the nodes that a result has beside the times of its elements; empty if there are none.
+/// Times of the nodes that a result has beside the times of its elements, or that its temperatures are; empty
+/// if there are none.
 template <int Dim>
 std::vector<double> recorded_nodal_time(const Part<Dim>& part, const std::string& file,
                                         const std::string& dataset) {
   constexpr std::string_view own = "time";
   if (!dataset.ends_with(own)) return {};
-  const std::string name = dataset.substr(0, dataset.size() - own.size()) + "nodal_time";
-  if (!hdf5_file_has(part.grid().comm(), file, name, "/sequence/file")) return {};
-  std::vector<double> times = read_field(part.grid(), true, file, name, "/sequence/file", "/sequence/file");
+  const MPI_Comm comm = part.grid().comm();
+  const std::string prefix = dataset.substr(0, dataset.size() - own.size());
+  const auto read = [&](const char* name) {
+    if (!hdf5_file_has(comm, file, prefix + name, "/sequence/file")) return std::vector<double>();
+    return read_field(part.grid(), true, file, prefix + name, "/sequence/file", "/sequence/file");
+  };
+  std::vector<double> times = read("nodal_time");
+  if (!any(comm, !times.empty())) {
+    times = read("temperature");
+    for (double& value : times) value = 1.0 - value;
+  }
   const auto is_finite = [](double time) { return std::isfinite(time); };
-  if (any(part.grid().comm(), !std::all_of(times.begin(), times.end(), is_finite))) times.clear();
+  if (any(comm, !std::all_of(times.begin(), times.end(), is_finite))) times.clear();
   return times;
 }
 

@@ -14,6 +14,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <utility>
 
 namespace fabseq {
 namespace {
@@ -102,6 +103,22 @@ TEST_F(LayerRepairTest, ChangesTimesOfNodesWhereBeadsAreTooThick) {
       EXPECT_EQ(result->time.nodal[n], nodal[n]);
     }
   });
+}
+
+TEST_F(LayerRepairTest, KeepsAGradientThatIsRecordedBesideTimes) {
+  std::vector<double> nodal = planar_nodes();
+  disturb(nodal, {4, 4, 5}, 0.08);
+  PseudoTime<3> time = time_of(nodal);
+  const auto expected = repaired(time);
+  time.recorded_gradient = std::exchange(time.gradient, {});
+  const auto result = repaired(time);
+  ASSERT_TRUE(result);
+  EXPECT_TRUE(result->time.gradient.empty());
+  EXPECT_EQ(result->time.recorded_gradient, expected->time.gradient);
+  EXPECT_EQ(result->time.time, expected->time.time);
+  // Without any gradient thickness is an estimate, and times of nodes do not change it as they would.
+  time.recorded_gradient.clear();
+  (void)repaired(time);
 }
 
 TEST_F(LayerRepairTest, LetsWhatBeginsInTheAirWaitForWhatCarriesIt) {

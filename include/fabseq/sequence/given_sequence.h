@@ -44,9 +44,10 @@ template <int Dim>
 double planar_height(const Part<Dim>& part, std::vector<double> direction);
 
 /// Element-wise pseudo-time from an HDF5 dataset [z][y][x], such as "time". A dataset beside it,
-/// "time_gradient" [z][y][x][axis] in 1/length, becomes PseudoTime::recorded_gradient, and "nodal_time" of the
-/// nodes PseudoTime::nodal. Collective on the grid's communicator. Throws InputError if the file does not fit the grid, or if the value of a part
-/// element is no number or, without a gradient beside it, more than a little beyond [0, 1].
+/// "time_gradient" [z][y][x][axis] in 1/length, becomes PseudoTime::recorded_gradient, and "nodal_time" of
+/// the nodes, or what a "temperature" means, PseudoTime::nodal. Collective on the grid's communicator. Throws
+/// InputError if the file does not fit the grid, or if the value of a part element is no number or, without a
+/// gradient beside it, more than a little beyond [0, 1].
 template <int Dim>
 PseudoTime<Dim> time_from_file(const Part<Dim>& part, const std::string& file, const std::string& dataset);
 

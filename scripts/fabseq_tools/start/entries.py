@@ -58,9 +58,10 @@ def domain_words(look, element):
 
 def sequence(arguments, length, found):
     if arguments.sequence == "guided":
-        return Entry("sequence", {"type": "guided"},
-                     "Build directions are the design, and lean by no more than tool.max_tilt. Layers of type heat meet the "
-                     "part's sides at right angles, so a limb that leaves sideways would need 90 degrees.")
+        return Entry("sequence", {"type": "guided", "filter_radius": 0},
+                     "Build directions are the design, and lean by no more than tool.max_tilt. They are not smoothed, so that "
+                     "layers from both sides can close a roof. Layers of type heat meet the part's sides at right angles, so a "
+                     "limb that leaves sideways would need 90 degrees.")
     return Entry("sequence", {"type": "heat", "characteristic_length": float(f"{length:.6g}")},
                  f"Number of layers times their thickness.{narrow_foot(found)}")
 
