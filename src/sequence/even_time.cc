@@ -2,8 +2,8 @@
 #include "fabseq/sequence/even_time.h"
 
 #include "fabseq/base/mpi.h"
-#include "fabseq/sequence/geodesic_distance.h"
 #include "fabseq/sequence/element_means.h"
+#include "fabseq/sequence/geodesic_distance.h"
 #include "sequence/start_domain.h"
 
 #include <algorithm>

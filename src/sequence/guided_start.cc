@@ -3,8 +3,8 @@
 
 #include "fabseq/base/formatted.h"
 #include "fabseq/base/refusal.h"
-#include "fabseq/sequence/geodesic_distance.h"
 #include "fabseq/sequence/element_means.h"
+#include "fabseq/sequence/geodesic_distance.h"
 #include "sequence/start_domain.h"
 #include "sequence/tilt_vectors.h"
 

@@ -5,8 +5,8 @@
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 #include "fabseq/base/verdict.h"
-#include "fabseq/sequence/geodesic_distance.h"
 #include "fabseq/sequence/element_means.h"
+#include "fabseq/sequence/geodesic_distance.h"
 #include "sequence/start_domain.h"
 #include "sequence/time_adjoints.h"
 

@@ -27,8 +27,8 @@ class Hole:
 
 
 def stock_of(arguments, printed):
-    """The entry that closes the holes of a part of which -task check has `printed` this, where --fill-holes
-    asks for it and there are any, or None; what there is to tell, and warnings."""
+    """The entry that closes the holes of a part of which -task check has `printed` this, where there are any
+    and --fill-holes asks for it, else None; what there is to tell, and warnings."""
     limit = f"{arguments.max_tilt:g} degrees"
     holes = [Hole(point(low), point(high), span) for low, high, span in HOLE.findall(printed)]
     warnings = [f"what lies in [{low}] to [{high}] is carried by no layers within {limit}: turn the part (fabseq-tools orient), "
