@@ -80,8 +80,8 @@ class Carried {
   }
   bool rests(const ElementHalo<Dim>& halo, const std::vector<double>& around,
              const Index<Dim>& element) const {
-    const auto [axis, upper] = part_.plate();
-    const int end = part_.grid().domain().elements[axis];
+    const int axis = part_.plate().axis, end = part_.grid().domain().elements[axis];
+    const bool upper = part_.plate().upper;
     return std::any_of(steps_.begin(), steps_.end(), [&](const Index<Dim>& step) {
       Index<Dim> below = element;
       for (int i = 0; i < Dim; ++i) below[i] += step[i];

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Holes whose roofs no sequence within the tilt can carry, as -task check names them, and what closes them."""
+"""Holes whose roofs no sequence within the tilt can carry, as -task check names them, and what fills them."""
 
 import dataclasses
 import re
