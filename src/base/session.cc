@@ -14,6 +14,7 @@
 #include "fabseq/base/stop.h"
 
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <fcntl.h>
@@ -22,6 +23,7 @@
 #include <poll.h>
 #include <string_view>
 #include <sys/stat.h>
+#include <thread>
 #include <unistd.h>
 
 namespace fabseq {
@@ -77,6 +79,9 @@ int out_of_address_space() {
   return status;
 }
 
+/// Launchers end all other processes once one has ended with an error: others wait so long for the first one.
+constexpr std::chrono::milliseconds first_to_speak{500};
+
 /// Says in one line what PetscInitialize does not like of its options, and returns the exit status. Ranks
 /// that wait for this one in there are ended by mpirun.
 int refused(const Error& error) {
@@ -84,6 +89,8 @@ int refused(const Error& error) {
   MPI_Initialized(&initialized);
   if (initialized == 0 ? is_first_by_launcher() : rank_of(MPI_COMM_WORLD) == 0)
     write_text(STDERR_FILENO, "fabseq: " + one_line(error.what()) + "\n");
+  else if (initialized == 0)
+    std::this_thread::sleep_for(first_to_speak);
   return static_cast<int>(error.status());
 }
 

@@ -43,7 +43,7 @@ TEST(ConfigErrorsTest, UnknownKeys) {
   EXPECT_EQ(
       solid_error("projektion", "{}"),
       "/projektion: unknown key; did you mean \"projection\"? allowed here: name, domain, part, "
-      "build_plate, substrate, clamps, node_sets, "
+      "build_plate, substrate, stock, clamps, node_sets, "
       "material, process, thermal, sequence, layers, projection, objective, constraints, baseline, tool, "
       "optimizer, solver, output");
   EXPECT_EQ(solid_error("output.qqqq", "1"),

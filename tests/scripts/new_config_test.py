@@ -28,7 +28,7 @@ class NewConfigTest(NewConfigCase):
         self.assertEqual(self.warnings, "")
         self.assertEqual(config["domain"], {"element": 2.0, "unit": "mm"})
         self.assertEqual(config["part"]["mesh"], {"file": "bar.stl"})
-        self.assertEqual((config["layers"]["count"], config["sequence"]), (3, {"type": "guided"}))
+        self.assertEqual((config["layers"]["count"], config["sequence"]), (3, {"type": "guided", "filter_radius": 0}))
         self.assertEqual(config["tool"], {"thickness": [0.6, 1.6], "bead_width": 10.0, "axis": "normal", "max_tilt": 60.0})
         self.assertEqual([one["type"] for one in config["constraints"]],
                          ["layer_thickness", "last_layer", "local_thickness", "tilt", "supported"])

@@ -44,9 +44,9 @@ def entries_of(arguments, look, element, material, target, why_target, count):
               "The result is compared with upright planar layers, and with planar ones in the best of several directions within "
               "the tilt limit: a machine that tilts builds them without any optimized sequence."),
         Entry("optimizer", {"max_iterations": arguments.iterations,
-                            "binary_iterations": min(40, max(1, arguments.iterations // 3)), "repair_iterations": 30},
+                            "binary_iterations": min(40, max(1, arguments.iterations // 3)), "repair_iterations": 10},
               "60 show what can be gained, 120 are usually enough. The last ones are judged by binary layers. Where these still "
-              "fail a check, a few more repair them."),
+              "fail a check, a few more repair them, and at last their layers are mended."),
     ]
 
 
