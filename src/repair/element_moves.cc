@@ -3,10 +3,14 @@
 
 #include "fabseq/base/mpi.h"
 #include "fabseq/grid/components.h"
+#include "fabseq/grid/element_halo.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
+#include <vector>
 
 namespace fabseq {
 
@@ -37,17 +41,94 @@ class ElementMoves {
       now = std::move(next);
       if (same) break;
     }
-    return now.is_better_than(start_) ? std::move(now) : start_;
+    return one_by_one(now.is_better_than(start_) ? std::move(now) : start_);
   }
 
  private:
   static constexpr int most_undone = 10;
+  static constexpr int most_passes = 3;
+  static constexpr std::size_t most_tried = 12;
 
   MPI_Comm comm() const { return model_.grid.comm(); }
   double moves(const CutTime<Dim>& cut) const {
     double count = 0.0;
     for (std::size_t e = 0; e < cut.layer.size(); ++e) count += cut.layer[e] != start_.layer[e] ? 1.0 : 0.0;
     return sum(comm(), count);
+  }
+
+  /// What is tried for an element that fails: another layer, and the build direction of a neighbour.
+  struct Trial {
+    int way = 0;
+    int axis = -1, side = 0;  ///< of the neighbour; -1: its own direction
+  };
+  static std::vector<Trial> trials() {
+    std::vector<Trial> result;
+    for (const int way : {1, -1, 2, -2, 3, -3}) result.push_back({way});
+    for (const int way : {0, 1, -1})
+      for (int axis = 0; axis < Dim; ++axis)
+        for (const int side : {-1, 1}) result.push_back({way, axis, side});
+    return result;
+  }
+
+  /// Tries these for each element that fails, until nothing gets better.
+  CutTime<Dim> one_by_one(CutTime<Dim> now) const {
+    for (int pass = 0; pass < most_passes && now.in_all() > 0; ++pass) {
+      const std::int64_t before = now.in_all();
+      for (const std::int64_t number : failing_numbers(now)) now = best_trial(std::move(now), number);
+      if (now.in_all() == before) break;
+    }
+    return now;
+  }
+  std::vector<std::int64_t> failing_numbers(const CutTime<Dim>& now) const {
+    std::vector<std::int64_t> own;
+    for (std::size_t e = 0; e < now.layer.size(); ++e)
+      if (now.fails(e)) own.push_back(number_in_grid(model_.part, e));
+    std::vector<std::int64_t> result = gather_all(comm(), own);
+    std::sort(result.begin(), result.end());
+    result.resize(std::min(result.size(), most_tried));
+    return result;
+  }
+  /// The first one that makes it better, if any does.
+  CutTime<Dim> best_trial(CutTime<Dim> now, std::int64_t number) const {
+    for (const Trial& trial : trials()) {
+      std::optional<CutTime<Dim>> tried = with(now, number, trial);
+      if (tried && tried->is_better_than(now) && moves(*tried) <= most_elements_) return *std::move(tried);
+    }
+    return now;
+  }
+
+  /// The layers with a trial for one element; none if it has no such neighbour in the part.
+  std::optional<CutTime<Dim>> with(const CutTime<Dim>& now, std::int64_t number, const Trial& trial) const {
+    const Part<Dim>& part = model_.part;
+    PseudoTime<Dim> time = now.time;
+    std::vector<double> around;  // gradients, and where there are any
+    const ElementHalo<Dim> halo(part.grid(), 1);
+    const bool turns = trial.axis >= 0;
+    std::array<std::vector<double>, Dim> components;
+    if (turns) {
+      if (!any(comm(), !time.gradient.empty())) return std::nullopt;
+      around = halo.gather(part.expand(std::vector<double>(now.layer.size(), 1.0)));
+      for (int i = 0; i < Dim; ++i) {
+        std::vector<double> component;
+        for (std::size_t e = 0; e < now.layer.size(); ++e) component.push_back(time.gradient[e * Dim + i]);
+        components[i] = halo.gather(part.expand(component));
+      }
+    }
+    bool found = false;
+    for (std::size_t e = 0; e < now.layer.size(); ++e) {
+      if (number_in_grid(part, e) != number) continue;
+      if (turns) {
+        Index<Dim> neighbour = part.grid().owned_elements().index(part.elements()[e]);
+        neighbour[trial.axis] += trial.side;
+        if (!halo.box().contains(neighbour) || around[halo.box().offset(neighbour)] == 0.0) break;
+        for (int i = 0; i < Dim; ++i)
+          time.gradient[e * Dim + i] = components[i][halo.box().offset(neighbour)];
+      }
+      if (trial.way != 0) time.time[e] = time_in(now, e, trial.way);
+      found = true;
+    }
+    if (!any(comm(), found)) return std::nullopt;
+    return cut(model_, layers_, std::move(time));
   }
 
   CutTime<Dim> moved(const CutTime<Dim>& now) const {
