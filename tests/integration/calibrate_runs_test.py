@@ -11,6 +11,7 @@ import run_fabseq
 from calibration_case import CalibrationCase
 from multi_planar_test import tee_2d
 from read_outputs import read_result
+from repair_test import leaning
 from run_fabseq import BAD_INPUT
 from small_parts import direct_2d, plate_2d, v_2d, write_voxels
 
@@ -53,6 +54,16 @@ class CalibrateRunsTest(CalibrationCase):
         self.assertEqual(run.returncode, BAD_INPUT)
         self.assertIn("of the elements in other layers than result.h5 has", run.stderr)
         self.assertFalse(os.path.exists(os.path.join(self.directory, "calibrated", "simulation_1_1")))
+
+    def test_repaired_layers(self):
+        """Those of a run that ended with a repair, of its design no others."""
+        optimized = self.run_config(1, leaning(repair_iterations=1, repair_share=0.1), "-max_iterations", 10, "-tolerance", "1e-8")
+        self.assert_done(optimized)
+        self.assertIn("repair", optimized.json("summary.json"))
+        positions, displacements = self.moved_nodes(optimized, "binary/displacement")
+        run = self.calibrate_parts([optimized.path(""), self.write_points(positions, 1.3 * displacements)], "--isotropic")
+        self.assert_factors(run, [1.3, 1.3])
+        self.assertLess(self.read("calibration.json")["left_of_measurement"], 1e-3)
 
     def test_simulated_and_evaluated_sequences(self):
         """Of a file, and of a design of the command line; what was evaluated has no result.h5."""

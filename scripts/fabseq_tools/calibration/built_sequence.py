@@ -44,7 +44,9 @@ class BuiltSequence:
         try:
             with h5py.File(file, "r") as content:
                 if any(name in content for name in DESIGN):
-                    self.options += ["-design", file]
+                    self.options += ["-design", file, *repair_of(folder)]
+                elif repair_of(folder):
+                    self.options += ["-sequence", file]
                 self.layers = content["layer"][()] if "layer" in content else None
         except OSError as error:
             raise RunError(f"{file} cannot be read: {error}") from error
@@ -60,6 +62,12 @@ class BuiltSequence:
         if share > MOST_OTHERS:
             raise RunError(f"{self.folder}: found {100 * share:.3g} % of the elements in other layers than result.h5 has; "
                            "allowed: a run of this version of the program, with its own config.json")
+
+
+def repair_of(folder):
+    """The option that mends the layers of a design as those in the folder were mended, if they were."""
+    summary = os.path.join(folder, "summary.json")
+    return ["-repair"] if os.path.isfile(summary) and "repair" in read_json(folder, "summary.json") else []
 
 
 def design_of_evaluation(folder, run):

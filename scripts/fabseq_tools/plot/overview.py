@@ -139,7 +139,7 @@ def sentences(run):
     length = {block: quantity(run.length(block), run.length_unit())
               for block in ("baseline", "start", "optimized", "binary") if block in run.summary}
     start = f", not optimized {length['start']}" if "start" in length else ""
-    unmet = "" if run.summary.get("feasible", True) else f"  {verdicts.missed_words(run) or 'Not all constraints are satisfied.'}"
+    unmet = f"  {verdicts.missed_words(run) or 'Not all constraints are satisfied.'}" if verdicts.misses_constraints(run) else ""
     return [f"Distortion ({run.measure()}): planar {length['baseline']}{start}, optimized {length['binary']} "
             f"(with smooth layers {length['optimized']}).",
             f"{elements(run)}, {run.summary['iterations']} iterations in {duration(run.summary['seconds']['total'])}.{unmet}",

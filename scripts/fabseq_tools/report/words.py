@@ -4,6 +4,7 @@
 import math
 
 from fabseq_tools.run.misses import worst_miss
+from fabseq_tools.run.verdict_words import misses_constraints
 from fabseq_tools.run.words import duration, less, number, quantity
 
 STATES = {"start": "start design", "baseline": "planar", "baseline_matched": "planar, {} layers",
@@ -75,7 +76,7 @@ def headline(run):
     notes = ["binary layers", MODELS[model], *["after release"] * bool(term.get("after_release"))]
     if term.get("aggregate", "nominal") != "nominal":
         notes.append(f"{term['aggregate']} over the scenarios")
-    if run.summary.get("feasible") is False:
+    if misses_constraints(run):
         notes.append("constraints are not satisfied")
     return f"{words[0].upper()}{words[1:]} ({', '.join(notes)})."
 

@@ -146,6 +146,14 @@ def thickest_sentence(run, state):
     return f"The largest local thickness is {size} near [{place}]: {what}."
 
 
+def misses_constraints(run):
+    """Whether the result misses constraints. Smooth counts that adapt are stricter than the exact checks: of
+    what can be built they say nothing."""
+    if run.summary.get("feasible", True):
+        return False
+    return "violated" in run.summary or answer_class(run) != CLASSES[0]
+
+
 def missed_words(run):
     """The constraint that the result misses by most."""
     missed = run.summary.get("violated")

@@ -81,7 +81,8 @@ class Comparison:
                 return row | figures.row_of(self.rounds.run(family.name, family.settings | judging, "simulate"), self.target)
             run = self.rounds.run(*family.run())
             design = os.path.join(self.rounds.path(family.name), "result.h5")
-            judged = self.rounds.run(f"{family.name}_judged", family.settings | judging, "simulate", ["-design", design])
+            options = ["-design", design, *(["-repair"] if "repair" in run.summary else [])]  # as the run's own layers were
+            judged = self.rounds.run(f"{family.name}_judged", family.settings | judging, "simulate", options)
         except RunError as error:
             return row | {"reason": str(error)}
         return row | figures.row_of(judged, self.target) | {"seconds": run.summary["seconds"]["total"]}
