@@ -57,7 +57,8 @@ class CalibrateRunsTest(CalibrationCase):
 
     def test_repaired_layers(self):
         """Those of a run that ended with a repair, of its design no others."""
-        optimized = self.run_config(1, leaning(repair_iterations=1, repair_share=0.1), "-max_iterations", 10, "-tolerance", "1e-8")
+        optimized = self.run_config(1, leaning(repair_iterations=1, repair_share=0.1),
+                                    "-max_iterations", 10, "-tolerance", "1e-8")
         self.assert_done(optimized)
         self.assertIn("repair", optimized.json("summary.json"))
         positions, displacements = self.moved_nodes(optimized, "binary/displacement")
