@@ -28,10 +28,10 @@ std::optional<RepairedSequence<Dim>> repair_sequence(const Setup<Dim>& setup, co
                                                      double beta, const SequenceNumbers& before,
                                                      PhaseTimer& timer) {
   if (before.verdict->buildable()) return std::nullopt;
-  const PseudoTime<Dim> time = *pipeline.last_time();
-  pipeline.give_back_memory();
-  auto repaired = repair_layers(setup, time, design.layer_variables, setup.config.optimizer.repair_share);
+  auto repaired = repair_layers(setup, *pipeline.last_time(), design.layer_variables,
+                                setup.config.optimizer.repair_share);
   if (!repaired) return std::nullopt;
+  pipeline.give_back_memory();
   Design layers_alone;
   layers_alone.layer_variables = design.layer_variables;
   auto mended =

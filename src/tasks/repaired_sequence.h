@@ -23,7 +23,7 @@ struct RepairedSequence {
 };
 
 /// Mends the places of a pipeline's last run, which `before` reports, and says so; none where nothing can be
-/// mended. Gives back the memory of that pipeline, whose state is lost. Collective.
+/// mended, and then that run's state stays. Else the pipeline gives back its memory. Collective.
 /// \param design  of that run  \param beta  its sharpness
 template <int Dim>
 std::optional<RepairedSequence<Dim>> repair_sequence(const Setup<Dim>& setup, const Problem<Dim>& problem,

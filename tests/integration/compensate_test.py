@@ -4,8 +4,6 @@
 import csv
 import json
 import os
-import subprocess
-import sys
 
 import h5py
 import numpy as np
@@ -16,10 +14,10 @@ from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 import run_fabseq
 from mesh_test import HIGH, LOW, bar, box_triangles, stl_text
 from read_outputs import read_result
-from run_fabseq import ENVIRONMENT, FabseqTest, PROGRAM, ROOT
+from run_fabseq import FabseqTest
 from small_parts import hook_3d, plate_2d, post_on_substrate
 
-TOOL = os.path.join(ROOT, "scripts", "fabseq-tools"), "compensate"
+COMMAND = "compensate"
 
 
 class CompensateTest(FabseqTest):
@@ -28,18 +26,9 @@ class CompensateTest(FabseqTest):
         with open(os.path.join(self.directory, "bar.stl"), "w", encoding="utf-8") as file:
             file.write(stl_text(box_triangles(LOW, HIGH)))
 
-    def simulate(self, config, *options):
-        run = self.run_config(1, config, "-task", "simulate", "-binary", *options)
-        self.assert_done(run)
-        return run
-
-    def script(self, *words):
-        return subprocess.run([sys.executable, *TOOL, *map(str, words)], capture_output=True, text=True, cwd=self.directory,
-                              check=False, env={**ENVIRONMENT, **os.environ, "FABSEQ_PROGRAM": PROGRAM})
-
     def compensate(self, run, *words):
         """The content of compensation.json."""
-        done = self.script(run.output, *words)
+        done = self.run_tool(COMMAND, run.output, *words)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         with open(run.path("compensated/compensation.json"), encoding="utf-8") as file:
             record = json.load(file)
@@ -155,7 +144,7 @@ class CompensateTest(FabseqTest):
                                 ([straight, "--fill", "black"], "--fill: found black"),
                                 ([straight, "--fill", 2], "--fill: found 2; allowed: a share above 0"),
                                 ([straight, "--program", "nothing"], "nothing: no such program")):
-            done = self.script(*words)
+            done = self.run_tool(COMMAND, *words)
             self.assertEqual(done.returncode, 2, done.stderr)
             self.assertTrue(done.stderr.startswith("fabseq-tools compensate: "), done.stderr)
             self.assertIn(expected, done.stderr)

@@ -52,6 +52,16 @@ class RepairTest(FabseqTest):
             self.assertNotIn("repair", summary)
             self.assertEqual(summary["answer"]["repaired"], 0)
 
+    def test_simulation_that_keeps_its_layers(self):
+        """All that it tells is as without the option."""
+        run = self.optimize(leaning(), 1, 10)
+        design = "-design", run.path("result.h5"), "-set", "optimizer.repair_share=0"
+        plain, asked = (self.simulate(leaning(), *design, *option) for option in ([], ["-repair"]))
+        expected, found = (one.json("summary.json") for one in (plain, asked))
+        for name in ("residual_stress", "layer_displacement_norms", "verdict", "finished"):
+            self.assertEqual(found[name], expected[name], name)
+        np.testing.assert_array_equal(read_result(asked)["residual_stress"], read_result(plain)["residual_stress"])
+
     def test_option_without_simulation(self):
         run = self.run_config(1, leaning(), "-task", "check", "-repair")
         self.assertEqual(run.status, BAD_INPUT)

@@ -269,6 +269,18 @@ class FabseqTest(unittest.TestCase):
         self.assertEqual(len(run.history()), iterations)
         return run
 
+    def simulate(self, config, *options):
+        """A simulation of binary layers on one rank."""
+        run = self.run_config(1, config, "-task", "simulate", "-binary", *options)
+        self.assert_done(run)
+        return run
+
+    def run_tool(self, *words):
+        """Runs `fabseq-tools words` in the working directory, with the program under test."""
+        tools = os.path.join(ROOT, "scripts", "fabseq-tools")
+        return subprocess.run([sys.executable, tools, *map(str, words)], capture_output=True, text=True, cwd=self.directory,
+                              check=False, env={**ENVIRONMENT, **os.environ, "FABSEQ_PROGRAM": PROGRAM})
+
     def assert_done(self, result):
         self.assertEqual(result.status, DONE, str(result))
         self.assertEqual([line for line in result.messages() if not line.startswith("warning: ")], [], str(result))

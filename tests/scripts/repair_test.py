@@ -3,19 +3,17 @@
 """fabseq-tools repair on small parts: what it says is what the program has found, and what it cannot mend."""
 
 import os
-import subprocess
-import sys
 
 import numpy as np
 
 import run_fabseq
-from run_fabseq import ENVIRONMENT, FabseqTest, PROGRAM, ROOT
+from run_fabseq import FabseqTest
 from small_parts import direct_2d, plate_2d, v_2d
 
 from fabseq_tools.run.command_line import write_json
 from fabseq_tools.run.read_run import read_fields, read_json
 
-TOOL = os.path.join(ROOT, "scripts", "fabseq-tools"), "repair"
+COMMAND = "repair"
 RIGHT = "buildable, not repaired: no element fails a check\n"
 
 
@@ -34,22 +32,13 @@ def notched():
 class RepairTest(FabseqTest):
     iterations = 10
 
-    def simulate(self, config, *options):
-        run = self.run_config(1, config, "-task", "simulate", "-binary", *options)
-        self.assert_done(run)
-        return run
-
-    def script(self, *words):
-        return subprocess.run([sys.executable, *TOOL, *map(str, words)], capture_output=True, text=True, cwd=self.directory,
-                              check=False, env={**ENVIRONMENT, **os.environ, "FABSEQ_PROGRAM": PROGRAM})
-
     def said(self, *words):
-        done = self.script(*words)
+        done = self.run_tool(COMMAND, *words)
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         return done.stdout
 
     def refused(self, *words):
-        done = self.script(*words)
+        done = self.run_tool(COMMAND, *words)
         self.assertEqual((done.returncode, done.stdout, done.stderr.count("\n")), (2, "", 1), done.stderr)
         return done.stderr
 
@@ -89,7 +78,7 @@ class RepairTest(FabseqTest):
         self.assertIn("holds a run already", self.refused(run.output, "--output", run.output))
 
     def test_optimization_that_was_repaired(self):
-        """Its layers are not those of its design any more."""
+        """A repaired run is repaired again from its times, which its design no longer gives."""
         config = leaning()
         config["optimizer"] = {"binary_iterations": 1, "repair_iterations": 1, "repair_share": 0.05}
         run = self.run_config(1, config, "-max_iterations", 10)
