@@ -61,8 +61,7 @@ void add_part(Section<Config>& keys) {
            {.type = KeyType::shape}, shape_of(&PartDescription::substrate))
       .key("stock",
            "Is built, too, and machined away afterwards, as what fills a hole: elements whose centre is in "
-           "the "
-           "shape",
+           "the shape",
            {.type = KeyType::shape}, shape_of(&PartDescription::stock))
       .key("clamps",
            "Nodes in the shape are held instead of the plate's; without it, with a substrate: its lowest "

@@ -15,7 +15,7 @@ constexpr double rounding = 1e-6;
 
 template <int Dim>
 Footing<Dim>::Footing(const Grid<Dim>& grid, double bead_width) : spacing(grid.spacing()) {
-  const double width = bead_width > 0.0 ? bead_width : 2.0 * grid.largest_spacing();
+  const double width = width_of_bead(grid, bead_width);
   // Half a diagonal: however the axis is turned, the centre of an element lies near enough to it.
   radius = std::max(0.5 * width, 0.5 * std::sqrt(dot(spacing, spacing)));
 }

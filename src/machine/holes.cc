@@ -207,8 +207,7 @@ void add_holes(const Part<Dim>& part, const Components& places, std::vector<Unca
 
 template <int Dim>
 double bridged_span(const Part<Dim>& part, const ToolSettings& tool) {
-  const double width = tool.bead_width > 0.0 ? tool.bead_width : 2.0 * part.grid().largest_spacing();
-  return tool.bridge.value_or(2.0 * width);
+  return tool.bridge.value_or(2.0 * width_of_bead(part.grid(), tool.bead_width));
 }
 
 template <int Dim>

@@ -47,7 +47,15 @@ CutTime<Dim> cut(const Model<Dim>& model, const Layers& layers, PseudoTime<Dim> 
   return result;
 }
 
+template <int Dim>
+std::int64_t count_moved(const Part<Dim>& part, const CutTime<Dim>& from, const CutTime<Dim>& to) {
+  std::int64_t count = 0;
+  for (std::size_t e = 0; e < from.layer.size(); ++e) count += from.layer[e] != to.layer[e] ? 1 : 0;
+  return sum(part.grid().comm(), count);
+}
+
 FABSEQ_INSTANTIATE_STRUCT(CutTime);
+FABSEQ_INSTANTIATE_FUNCTION(count_moved);
 FABSEQ_INSTANTIATE_FUNCTION(cut);
 
 }  // namespace fabseq

@@ -32,6 +32,10 @@ struct CutTime {
 template <int Dim>
 CutTime<Dim> cut(const Model<Dim>& model, const Layers& layers, PseudoTime<Dim> time);
 
+/// Part elements that are in another layer, over all ranks. Collective on the grid's communicator.
+template <int Dim>
+std::int64_t count_moved(const Part<Dim>& part, const CutTime<Dim>& from, const CutTime<Dim>& to);
+
 /// Number in the whole grid of a part element.
 template <int Dim>
 std::int64_t number_in_grid(const Part<Dim>& part, std::size_t element) {

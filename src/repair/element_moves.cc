@@ -25,13 +25,13 @@ template <int Dim>
 class ElementMoves {
  public:
   ElementMoves(const Model<Dim>& model, const Layers& layers, const CutTime<Dim>& start, double most_elements)
-      : model_(model), layers_(layers), start_(start), most_elements_(most_elements) {}
+      : model_(model), layers_(layers), start_(start), most_elements_(most_elements), halo_(model.grid, 1) {}
 
   CutTime<Dim> run() const {
     CutTime<Dim> now = start_;
     for (int round = 1; round < now.densities.count() && now.in_all() > 0; ++round) {
       CutTime<Dim> next = moved(now);
-      if (!any(comm(), next.layer != now.layer) || moves(next) > most_elements_) break;
+      if (!any(comm(), next.layer != now.layer) || moves_too_many(next)) break;
       now = std::move(next);
     }
     // What is undone may be what others rest on: until nothing changes.
@@ -50,10 +50,8 @@ class ElementMoves {
   static constexpr std::size_t most_tried = 12;
 
   MPI_Comm comm() const { return model_.grid.comm(); }
-  double moves(const CutTime<Dim>& cut) const {
-    double count = 0.0;
-    for (std::size_t e = 0; e < cut.layer.size(); ++e) count += cut.layer[e] != start_.layer[e] ? 1.0 : 0.0;
-    return sum(comm(), count);
+  bool moves_too_many(const CutTime<Dim>& cut) const {
+    return static_cast<double>(count_moved(model_.part, start_, cut)) > most_elements_;
   }
 
   /// What is tried for an element that fails: another layer, and the build direction of a neighbour.
@@ -90,45 +88,49 @@ class ElementMoves {
   }
   /// The first one that makes it better, if any does.
   CutTime<Dim> best_trial(CutTime<Dim> now, std::int64_t number) const {
+    const std::array<std::vector<double>, Dim> gradients = gathered_gradients(now);
     for (const Trial& trial : trials()) {
-      std::optional<CutTime<Dim>> tried = with(now, number, trial);
-      if (tried && tried->is_better_than(now) && moves(*tried) <= most_elements_) return *std::move(tried);
+      std::optional<CutTime<Dim>> tried = with(now, number, trial, gradients);
+      if (tried && tried->is_better_than(now) && !moves_too_many(*tried)) return *std::move(tried);
     }
     return now;
   }
+  /// Components of the gradient on the halo's box, no numbers outside the part.
+  std::array<std::vector<double>, Dim> gathered_gradients(const CutTime<Dim>& now) const {
+    std::array<std::vector<double>, Dim> result;
+    const std::vector<double>& gradient = now.time.gradient;
+    for (int i = 0; i < Dim; ++i) {
+      std::vector<double> component(now.layer.size(), NAN);
+      for (std::size_t e = 0; e < component.size() && !gradient.empty(); ++e)
+        component[e] = gradient[e * Dim + i];
+      result[i] = halo_.gather(model_.part.expand(component, NAN));
+    }
+    return result;
+  }
 
-  /// The layers with a trial for one element; none if it has no such neighbour in the part.
-  std::optional<CutTime<Dim>> with(const CutTime<Dim>& now, std::int64_t number, const Trial& trial) const {
-    const Part<Dim>& part = model_.part;
+  /// The layers with a trial for one element; none if it has no such neighbour with a gradient.
+  std::optional<CutTime<Dim>> with(const CutTime<Dim>& now, std::int64_t number, const Trial& trial,
+                                   const std::array<std::vector<double>, Dim>& gradients) const {
     PseudoTime<Dim> time = now.time;
-    std::vector<double> around;  // gradients, and where there are any
-    const ElementHalo<Dim> halo(part.grid(), 1);
-    const bool turns = trial.axis >= 0;
-    std::array<std::vector<double>, Dim> components;
-    if (turns) {
-      if (!any(comm(), !time.gradient.empty())) return std::nullopt;
-      around = halo.gather(part.expand(std::vector<double>(now.layer.size(), 1.0)));
-      for (int i = 0; i < Dim; ++i) {
-        std::vector<double> component;
-        for (std::size_t e = 0; e < now.layer.size(); ++e) component.push_back(time.gradient[e * Dim + i]);
-        components[i] = halo.gather(part.expand(component));
-      }
-    }
     bool found = false;
-    for (std::size_t e = 0; e < now.layer.size(); ++e) {
-      if (number_in_grid(part, e) != number) continue;
-      if (turns) {
-        Index<Dim> neighbour = part.grid().owned_elements().index(part.elements()[e]);
-        neighbour[trial.axis] += trial.side;
-        if (!halo.box().contains(neighbour) || around[halo.box().offset(neighbour)] == 0.0) break;
-        for (int i = 0; i < Dim; ++i)
-          time.gradient[e * Dim + i] = components[i][halo.box().offset(neighbour)];
+    for (std::size_t e = 0; e < now.layer.size(); ++e)
+      if (number_in_grid(model_.part, e) == number) {
+        found = trial.axis < 0 || take_gradient(e, trial, gradients, time);
+        if (trial.way != 0) time.time[e] = time_in(now, e, trial.way);
       }
-      if (trial.way != 0) time.time[e] = time_in(now, e, trial.way);
-      found = true;
-    }
     if (!any(comm(), found)) return std::nullopt;
     return cut(model_, layers_, std::move(time));
+  }
+  /// Gives an element its neighbour's gradient. Returns false if there is none.
+  bool take_gradient(std::size_t e, const Trial& trial, const std::array<std::vector<double>, Dim>& gradients,
+                     PseudoTime<Dim>& time) const {
+    Index<Dim> neighbour = model_.grid.owned_elements().index(model_.part.elements()[e]);
+    neighbour[trial.axis] += trial.side;
+    if (!halo_.box().contains(neighbour)) return false;
+    const std::int64_t offset = halo_.box().offset(neighbour);
+    if (std::isnan(gradients[0][offset])) return false;
+    for (int i = 0; i < Dim; ++i) time.gradient[e * Dim + i] = gradients[i][offset];
+    return true;
   }
 
   CutTime<Dim> moved(const CutTime<Dim>& now) const {
@@ -178,6 +180,7 @@ class ElementMoves {
   const Layers& layers_;
   const CutTime<Dim>& start_;
   double most_elements_;
+  ElementHalo<Dim> halo_;
 };
 
 }  // namespace

@@ -11,8 +11,7 @@
 namespace fabseq {
 
 /// The smooth count of one of the machine's limits (docs/formulation.md 13.2), over the elements that fail
-/// its exact check or have failed it. Calls are collective on the grid's
-/// communicator.
+/// its exact check or have failed it. Calls are collective on the grid's communicator.
 template <int Dim>
 class PlaceLimit {
  public:
@@ -25,7 +24,7 @@ class PlaceLimit {
   void count(std::span<const double> failing);
   /// The count, in units of elements at the limit.
   double value(const CutTime<Dim>& cut);
-  /// Adds its derivatives by times and gradients.
+  /// Adds the derivatives with respect to times and gradients, after value().
   void add_derivatives(const CutTime<Dim>& cut, TimeDerivatives& derivatives) const;
   /// How much the elements count that fail.
   double failing() const { return failing_weight_; }

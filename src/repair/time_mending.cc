@@ -23,13 +23,6 @@ constexpr std::array smoothings = {1, 0, 2};
 /// that it has to.
 constexpr double aim = 0.5, sufficient = 0.1;
 
-template <int Dim>
-std::int64_t moved(const CutTime<Dim>& from, const CutTime<Dim>& to, MPI_Comm comm) {
-  std::int64_t count = 0;
-  for (std::size_t e = 0; e < from.layer.size(); ++e) count += from.layer[e] != to.layer[e] ? 1 : 0;
-  return sum(comm, count);
-}
-
 /// Times of the owned nodes of which a pseudo-time is the mean; empty if they are not known.
 template <int Dim>
 std::vector<double> times_of_nodes(const Part<Dim>& part, const PseudoTime<Dim>& time) {
@@ -72,7 +65,8 @@ CutTime<Dim> TimeMending<Dim>::mend(const CutTime<Dim>& start, double most_eleme
     const CutTime<Dim> before = best;
     for (const int smoothing : smoothings) {
       CutTime<Dim> mended = mend_place(before, place, smoothing);
-      if (mended.is_better_than(best) && moved(start, mended, model_.grid.comm()) <= most_elements)
+      if (mended.is_better_than(best) &&
+          static_cast<double>(count_moved(model_.part, start, mended)) <= most_elements)
         best = std::move(mended);
       if (!still_fails(best, place)) break;
     }
@@ -143,8 +137,9 @@ double TimeMending<Dim>::count_of(const CutTime<Dim>& cut) {
   return total;
 }
 
-/// Changes the times of the nodes so that the sum of the counts falls, along their gradient in the norm of
-/// the smoothing, at first by as much as elements fail. False if it does not fall.
+/// Takes a step down the smoothed gradient of the counts with respect to the times of the nodes. The first
+/// step that is tried aims at a fall by half the weight of the failing elements. Returns false if no step
+/// lowers the sum of the counts.
 template <int Dim>
 bool TimeMending<Dim>::step(const PseudoTime<Dim>& from, CutTime<Dim>& now, std::vector<double>& nodal,
                             int smoothing) {

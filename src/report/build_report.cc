@@ -4,6 +4,7 @@
 #include "fabseq/base/mpi.h"
 #include "fabseq/machine/blocked.h"
 #include "fabseq/machine/build_direction.h"
+#include "fabseq/machine/footing.h"
 #include "fabseq/machine/hanging.h"
 #include "fabseq/machine/interior_extrema.h"
 #include "fabseq/machine/meeting_fronts.h"
@@ -67,10 +68,10 @@ class MachineChecks {
   /// Finds the places of what fails by checks that add_to() made. Collective.
   void add_places(BuildReport& report) const {
     const Grid<Dim>& grid = part_.grid();
-    const double coarsest = grid.largest_spacing(), width = settings_.tool.bead_width;
+    const double width = settings_.tool.bead_width;
     FaultyPlaces places;
-    places.bead = {width > 0.0 ? width : 2.0 * coarsest,
-                   settings_.layers.target ? settings_.layers.target->value : coarsest};
+    places.bead = {width_of_bead(grid, width),
+                   settings_.layers.target ? settings_.layers.target->value : grid.largest_spacing()};
     places.part_volume = part_.volume();
     std::vector<double> fault(layer_.size(), 0.0);
     std::vector<Places> kinds;

@@ -26,21 +26,27 @@ PartOnGrid<3> portal_on_grid(int room) {
   return PartOnGrid<3>({{6.0 + room, 4.0, 8.0}, {6 + room, 4, 8}, 1.0}, portal(room));
 }
 
-TEST(HolesTest, ARoofWiderThanABeadBridgesIsNamedWithWhatItCloses) {
-  const PartOnGrid<3> on_grid = portal_on_grid(8);
+/// What nothing within 20 degrees carries, the only such place.
+UncarriedPlace<3> only_place(const Part<3>& part, double bridge) {
   ToolSettings tool;
   tool.max_tilt = 20.0;
-  tool.bridge = 3.0;
-  const auto found = find_uncarried(on_grid.part, tool);
-  ASSERT_EQ(found.size(), 1U);
-  EXPECT_TRUE(found[0].is_roof);
+  tool.bridge = bridge;
+  const auto found = find_uncarried(part, tool);
+  EXPECT_EQ(found.size(), 1U);
+  return found.empty() ? UncarriedPlace<3>{} : found.front();
+}
+
+TEST(HolesTest, ARoofWiderThanABeadBridgesIsNamedWithWhatItCloses) {
+  const PartOnGrid<3> on_grid = portal_on_grid(8);
+  const UncarriedPlace<3> found = only_place(on_grid.part, 3.0);
+  EXPECT_TRUE(found.is_roof);
   // An element at either end leans out from its leg, one more in the row above.
-  EXPECT_EQ(found[0].elements, 4 * (6 + 4));
-  EXPECT_EQ(found[0].lower, (Point<3>{4, 0, 6}));
-  EXPECT_EQ(found[0].upper, (Point<3>{10, 4, 8}));
-  EXPECT_DOUBLE_EQ(found[0].span, 4.0);  // along y, which is shorter
-  EXPECT_EQ(found[0].hole_lower, (Point<3>{3, 0, 0}));
-  EXPECT_EQ(found[0].hole_upper, (Point<3>{11, 4, 6}));
+  EXPECT_EQ(found.elements, 4 * (6 + 4));
+  EXPECT_EQ(found.lower, (Point<3>{4, 0, 6}));
+  EXPECT_EQ(found.upper, (Point<3>{10, 4, 8}));
+  EXPECT_DOUBLE_EQ(found.span, 4.0);  // along y, which is shorter
+  EXPECT_EQ(found.hole_lower, (Point<3>{3, 0, 0}));
+  EXPECT_EQ(found.hole_upper, (Point<3>{11, 4, 6}));
 }
 
 TEST(HolesTest, NarrowRoofsAreBridgedAndTiltedLayersCarryAll) {
@@ -63,12 +69,8 @@ TEST(HolesTest, NarrowRoofsAreBridgedAndTiltedLayersCarryAll) {
 TEST(HolesTest, WhatHangsOutIsNoRoof) {
   const PartOnGrid<3> on_grid({{9.0, 4.0, 6.0}, {9, 4, 6}, 1.0},
                               test::union_of({box({0, 0, 0}, {3, 4, 6}), box({3, 0, 4}, {9, 4, 6})}));
-  ToolSettings tool;
-  tool.max_tilt = 20.0;
-  tool.bridge = 1.0;
-  const auto found = find_uncarried(on_grid.part, tool);
-  ASSERT_EQ(found.size(), 1U);
-  EXPECT_FALSE(found[0].is_roof);
+  const UncarriedPlace<3> found = only_place(on_grid.part, 1.0);
+  EXPECT_FALSE(found.is_roof);
 }
 
 TEST(HolesTest, CountsWhatASearchOfTheWholeGridCounts) {

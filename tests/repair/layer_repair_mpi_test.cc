@@ -94,7 +94,7 @@ TEST_F(LayerRepairTest, ChangesTimesOfNodesWhereBeadsAreTooThick) {
     EXPECT_GE(thickness(result->time, e), 0.8);
   }
   EXPECT_GT(max(setup_.grid.comm(), before), 1.15);
-  // The gradient is that of the changed times, which are the same far from the place.
+  // The gradient follows the changed times. Far from the place no time changes.
   const PseudoTime<3> same = time_of(result->time.nodal);
   EXPECT_EQ(same.time, result->time.time);
   EXPECT_EQ(same.gradient, result->time.gradient);

@@ -7,12 +7,18 @@
 
 namespace fabseq {
 
+/// The width of a bead, length unit: as given, or for 0 two elements' longest edges.
+template <int Dim>
+double width_of_bead(const Grid<Dim>& grid, double given) {
+  return given > 0.0 ? given : 2.0 * grid.largest_spacing();
+}
+
 /// Where something must lie on which a bead can rest (docs/formulation.md 13.1): a cylinder below an element,
 /// against its build direction, from half the element's extent along it to a whole one, within a radius
 /// across it. Lengths are in length units. Nothing here is collective.
 template <int Dim>
 struct Footing {
-  /// `bead_width`: 0 stands for two elements' longest edges.
+  /// `bead_width`: as width_of_bead() takes it.
   Footing(const Grid<Dim>& grid, double bead_width);
 
   Point<Dim> spacing;

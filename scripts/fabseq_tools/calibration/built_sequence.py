@@ -7,7 +7,7 @@ import h5py
 import numpy as np
 
 from fabseq_tools.run.command_line import RunError
-from fabseq_tools.run.read_run import read_config, read_json
+from fabseq_tools.run.read_run import read_config, read_json, repair_option
 
 GIVEN = "-design", "-sequence"  # options of the program that name a sequence
 MOST_OTHERS = 0.01              # share of elements that may be in another layer than the run's
@@ -41,11 +41,13 @@ class BuiltSequence:
         if not os.path.isfile(file):
             self.options += design_of_evaluation(folder, self.config.get("run", {}))
             return
+        has_summary = os.path.isfile(os.path.join(folder, "summary.json"))
+        repair = repair_option(read_json(folder, "summary.json")) if has_summary else []
         try:
             with h5py.File(file, "r") as content:
                 if any(name in content for name in DESIGN):
-                    self.options += ["-design", file, *repair_of(folder)]
-                elif repair_of(folder):
+                    self.options += ["-design", file, *repair]
+                elif repair:
                     self.options += ["-sequence", file]
                 self.layers = content["layer"][()] if "layer" in content else None
         except OSError as error:
@@ -62,12 +64,6 @@ class BuiltSequence:
         if share > MOST_OTHERS:
             raise RunError(f"{self.folder}: found {100 * share:.3g} % of the elements in other layers than result.h5 has; "
                            "allowed: a run of this version of the program, with its own config.json")
-
-
-def repair_of(folder):
-    """The option that mends the layers of a design as those in the folder were mended, if they were."""
-    summary = os.path.join(folder, "summary.json")
-    return ["-repair"] if os.path.isfile(summary) and "repair" in read_json(folder, "summary.json") else []
 
 
 def design_of_evaluation(folder, run):

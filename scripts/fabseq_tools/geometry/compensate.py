@@ -22,7 +22,6 @@ DIR (default: RUN/compensated) gets
 """
 
 import os
-import shutil
 
 import numpy as np
 
@@ -30,8 +29,8 @@ from fabseq_tools.geometry.moved_part import MovedPart
 from fabseq_tools.geometry.placement import Placement
 from fabseq_tools.geometry.rigid_motions import rigid_motions
 from fabseq_tools.geometry.surface_files import surface_of, write_surface
-from fabseq_tools.run.command_line import (RunError, count, number as number_type, parse, parser_of, positive, run_program,
-                                           write_json, write_rows)
+from fabseq_tools.run.command_line import (RunError, count, number as number_type, parse, parser_of, positive, require_program,
+                                           run_program, write_json, write_rows)
 from fabseq_tools.run.places import PROGRAM
 from fabseq_tools.run.read_run import read_fields
 
@@ -64,8 +63,7 @@ def main(words):
     parser.add_argument("--ranks", type=count, default=1)
     parser.add_argument("--program", default=PROGRAM)
     arguments = parse(parser, words)
-    if shutil.which(arguments.program) is None:
-        raise RunError(f"{arguments.program}: no such program")
+    require_program(arguments.program)
     part = MovedPart(arguments.run, arguments.factor)
     if arguments.released is None:
         arguments.released = bool(measured_released(part.config))

@@ -31,7 +31,6 @@ import functools
 import math
 import os
 import re
-import shutil
 
 import numpy as np
 
@@ -42,7 +41,7 @@ from fabseq_tools.orientation import orient_results
 from fabseq_tools.orientation.turned_config import TurnedConfig, box_of_mesh, counts_of, with_absolute_files
 from fabseq_tools.orientation.turned_shapes import Motion
 from fabseq_tools.plot.virtual_display import ensure_display
-from fabseq_tools.run.command_line import RunError, count, parse, parser_of, run_program, write_json
+from fabseq_tools.run.command_line import RunError, count, parse, parser_of, require_program, run_program, write_json
 from fabseq_tools.run.places import PROGRAM
 from fabseq_tools.run.read_run import read_config, read_fields, read_json, target_thickness
 from fabseq_tools.run.verdict_words import in_short, verdict_of
@@ -62,8 +61,7 @@ def main(words):
     parser.add_argument("--ranks", type=count, default=1)
     parser.add_argument("--program", default=PROGRAM)
     arguments = parse(parser, words)
-    if shutil.which(arguments.program) is None:
-        raise RunError(f"{arguments.program}: no such program")
+    require_program(arguments.program)
     config = read_config(arguments.config)
     for key in ("domain", "part", "sequence", "layers"):
         if not isinstance(config.get(key), dict):

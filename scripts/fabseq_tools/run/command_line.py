@@ -6,6 +6,7 @@ import csv
 import json
 import math
 import os
+import shutil
 import subprocess
 import sys
 
@@ -123,6 +124,12 @@ def run_command(command, capture=True, statuses=(0,), **more):
     if result.returncode not in statuses:
         raise RunError(f"status {result.returncode}: {' '.join(command)}\n{(result.stderr or '').strip()}".strip())
     return result
+
+
+def require_program(program):
+    """Raises RunError where there is none of that name."""
+    if shutil.which(program) is None:
+        raise RunError(f"{program}: no such program")
 
 
 def run_program(arguments, path, task, *options, rest=None, warn_of=None):

@@ -116,6 +116,11 @@ def text_of_run(directory, name):
         raise RunError(f"{path} is missing: not the output directory of a finished run") from error
 
 
+def repair_option(summary):
+    """[-repair] for a run whose layers were mended, which mends those of its design again; else []."""
+    return ["-repair"] if "repair" in summary else []
+
+
 def read_json(directory, name):
     path, text = text_of_run(directory, name)
     return object_of(text, path)

@@ -39,12 +39,11 @@ import argparse
 import math
 import os
 import shlex
-import shutil
 import tempfile
 
 from fabseq_tools.geometry.placement import millimetres_of
 from fabseq_tools.run.check_words import ANY_TILT
-from fabseq_tools.run.command_line import RunError, count, number, parser_of, positive, warn
+from fabseq_tools.run.command_line import RunError, count, number, parser_of, positive, require_program, warn
 from fabseq_tools.run.places import PROGRAM, SCRIPTS
 from fabseq_tools.run.progress import Progress
 from fabseq_tools.start.choices import choose
@@ -68,8 +67,7 @@ def main(words):
     for path in (arguments.part, arguments.program if os.sep in arguments.program else None):
         if path and not os.path.isfile(path):
             raise RunError(f"{path}: no such file")
-    if shutil.which(arguments.program) is None:
-        raise RunError(f"{arguments.program}: no such program")
+    require_program(arguments.program)
     with tempfile.TemporaryDirectory() as folder, Progress(COMMAND) as progress:
         look = Look(arguments, folder, progress)
         warn_of_unit(arguments, look.size)

@@ -5,6 +5,7 @@ import dataclasses
 import os
 
 from fabseq_tools.run.command_line import RunError
+from fabseq_tools.run.read_run import repair_option
 from fabseq_tools.run.progress import Progress
 from fabseq_tools.run.verdict_words import rank
 from fabseq_tools.study import figures
@@ -81,7 +82,7 @@ class Comparison:
                 return row | figures.row_of(self.rounds.run(family.name, family.settings | judging, "simulate"), self.target)
             run = self.rounds.run(*family.run())
             design = os.path.join(self.rounds.path(family.name), "result.h5")
-            options = ["-design", design, *(["-repair"] if "repair" in run.summary else [])]  # as the run's own layers were
+            options = ["-design", design, *repair_option(run.summary)]
             judged = self.rounds.run(f"{family.name}_judged", family.settings | judging, "simulate", options)
         except RunError as error:
             return row | {"reason": str(error)}

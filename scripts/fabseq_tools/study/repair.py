@@ -12,20 +12,19 @@ elements that may fail, and that may go to another layer (optimizer.repair_share
 RUN).
 
 What was wrong and what is left is printed. DIR (default: RUN/repaired, which is made anew) gets the files of
-the simulation: that of the repaired layers, with the block `repair` in summary.json, or of the same layers if
-none are kept. A RUN that passes all checks is left as it is, and DIR is not written, unless options behind --
-may change the checks.
+the simulation. Where repaired layers are kept, these are simulated, and summary.json has the block `repair`;
+else the layers of RUN are simulated. A RUN that passes all checks is left as it is, and DIR is not written,
+unless options behind -- may change the checks.
 """
 
 import os
-import shutil
 
 import h5py
 import numpy as np
 
 from fabseq_tools.run import verdict_words as verdicts
 from fabseq_tools.run.check_words import percent, result_of
-from fabseq_tools.run.command_line import RunError, between, count, parse, parser_of, run_program
+from fabseq_tools.run.command_line import RunError, between, count, parse, parser_of, require_program, run_program
 from fabseq_tools.run.places import PROGRAM
 from fabseq_tools.run.read_run import Run
 from fabseq_tools.run.words import number, quantity
@@ -38,13 +37,12 @@ CHECKS = [name for name, _, _ in verdicts.FAULTS]
 def main(words):
     parser = parser_of(__doc__, COMMAND)
     parser.add_argument("run")
-    parser.add_argument("--share", type=between(0, LARGEST_SHARE), help="of the elements (default: that of RUN)")
+    parser.add_argument("--share", type=between(0, LARGEST_SHARE), help="of the elements (default: as in RUN)")
     parser.add_argument("--output", metavar="DIR", help="default: RUN/repaired")
     parser.add_argument("--ranks", type=count, default=1)
     parser.add_argument("--program", default=PROGRAM)
     arguments = parse(parser, words)
-    if shutil.which(arguments.program) is None:
-        raise RunError(f"{arguments.program}: no such program")
+    require_program(arguments.program)
     run = judged_run(arguments.run)
     if verdicts.verdict(run, result_of(run))["buildable"] and not arguments.rest:
         print(nothing_fails(run))
@@ -79,8 +77,8 @@ def simulate(arguments, run):
 
 
 def layers_of(run, path):
-    """The program's words for the layers that the run has judged. A design gives times of the nodes and their
-    gradient; the layers of a repair are those of no design."""
+    """The program's words for the layers that the run has judged: its design, or its times if a repair has
+    changed them."""
     return ["-design" if "repair" not in run.summary and has_design(path) else "-sequence", path]
 
 

@@ -7,7 +7,7 @@ import json
 import os
 import shutil
 
-from fabseq_tools.run.command_line import RunError, count, parser_of, run_program, write_json
+from fabseq_tools.run.command_line import RunError, count, parser_of, require_program, run_program, write_json
 from fabseq_tools.run.places import PROGRAM
 from fabseq_tools.run.read_run import Run, read_config, read_json, target_thickness
 from fabseq_tools.run.settings import put
@@ -36,8 +36,7 @@ class Rounds:
         for path, value in (settings or {}).items():
             put(self.config, path, copy.deepcopy(value), arguments.config)
         self.arguments = argparse.Namespace(**vars(arguments) | {"rest": [*settings_of(settings or {}), *arguments.rest]})
-        if shutil.which(arguments.program) is None:
-            raise RunError(f"{arguments.program}: no such program")
+        require_program(arguments.program)
         for key, kind in PARTS.items():
             if not isinstance(self.config.get(key), kind):
                 raise RunError(f"{arguments.config}: {key} is missing or no object")
