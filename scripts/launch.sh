@@ -101,9 +101,23 @@ hand_on_stop() {
     echo "$name: stopping after the solve in hand, with a checkpoint; press Ctrl-C again to end at once" >&2 || true
   else # mpirun that begins would lose USR1, and there is nothing to be saved
     kill -TERM "$launcher" 2>/dev/null || true
+    kill_if_it_stays </dev/null >/dev/null 2>&1 &
     echo "$name: ending; there is nothing to save yet" >&2 || true
   fi
   last=${EPOCHREALTIME:-$SECONDS.000000} last=${last/[.,]/}
+}
+
+# Kills the session of the launcher after five seconds: until mpirun has its ranks, it or the shell that becomes it may
+# lose TERM.
+kill_if_it_stays() {
+  local turn
+  trap '' "${caught[@]}"
+  for ((turn = 0; turn < 10; ++turn)); do
+    sleep 0.5
+    kill -0 "$launcher" || return 0
+  done
+  awk -v session="$launcher" '/^Pid:/ { pid = $2 } /^NSsid:/ && $2 == session { print pid }' /proc/[0-9]*/status |
+    xargs -r kill -KILL -- "$launcher"
 }
 
 # Whether a process of this machine that mpirun has started catches USR1 (bit 9 of the mask).

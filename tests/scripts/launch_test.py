@@ -4,6 +4,7 @@ scripts/use/run.sh: at once after a mistake, with a checkpoint after a signal.""
 
 import json
 import os
+import shlex
 import signal
 import subprocess
 import tempfile
@@ -188,6 +189,19 @@ class ShellScriptTest(LaunchTest):
                 _, stderr = process.communicate(timeout=PATIENCE)
                 self.assertEqual(process.returncode, STOPPED, stderr)
                 self.assert_stopped(name)
+
+    def test_a_lost_signal(self):
+        """A launcher that has not taken TERM, and what it has started, end all the same."""
+        started = f"(trap '' TERM; exec -a {self.path('started')} sleep 600)"
+        script = f"trap : TERM; echo ready; {started} & while true; do sleep 0.1; done"
+        process = self.start(f"launch_stoppable name bash -c {shlex.quote(script)}")
+        self.assertEqual(process.stdout.readline(), "ready\n")
+        begin = time.monotonic()
+        os.kill(process.pid, signal.SIGINT)
+        process.communicate(timeout=PATIENCE)
+        self.assertNotEqual(process.returncode, DONE)
+        self.assertLess(time.monotonic() - begin, AT_ONCE)
+        self.wait_for_end("started")
 
     def test_a_group(self):
         """INT and TERM to all, also to what reads the output of the run."""
