@@ -103,7 +103,7 @@ class TerminalTest(LaunchTest):
 
     def test_a_second_one(self):
         for terminal, start in self.terminals():
-            terminal.run(self.command(start, "-elements", "400,240", "-layers", 40))
+            terminal.run(self.command(start, "-elements", "1200,720", "-layers", 40))
             self.wait_until(lambda: os.path.exists(self.path("out/lock")), "lock")
             terminal.type(CONTROL_C)
             terminal.wait_for("stopping after the solve in hand")
