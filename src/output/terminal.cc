@@ -145,7 +145,8 @@ void Terminal::table(const Summary& summary, const std::string& directory) const
   for (const std::string& line : summary_table(summary)) print(line);
   const auto& miss = summary.finish->reports.miss;
   const bool feasible = summary.finish->best.feasible();
-  print(summary.end.status + " after " + std::to_string(summary.end.iterations) + " iterations (" +
+  const bool done = summary.end.status == "converged" || summary.end.status == "iteration_limit";
+  print((done ? "done" : summary.end.status) + " after " + std::to_string(summary.end.iterations) + " iterations (" +
         summary.end.reason + "), " + formatted("%.1f s", summary.seconds.total) +
         (miss && !feasible ? "; constraint " + miss->words : ""));
   print(

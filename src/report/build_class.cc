@@ -20,7 +20,7 @@ std::string size_words(const Place& place, const std::string& unit) {
 std::string advice(PlaceForm form) {
   switch (form) {
     case PlaceForm::roof:
-      return "close it and drill";
+      return "close it (stock; new --fill-holes) and drill";
     case PlaceForm::island:
       return "weld a seed there, or turn the part";
     default:

@@ -75,12 +75,13 @@ TEST(BuildClassTest, WordsNameSizePlaceAndCure) {
   settings.unit = "mm";
   Place roof = cube(PlaceForm::roof);
   EXPECT_EQ(words_of(roof, places_of({roof}), settings),
-            "a roof of 1 x 1 x 1 mm near [0.5,0.5,0.5] begins in the air in layer 3: close it and drill");
+            "a roof of 1 x 1 x 1 mm near [0.5,0.5,0.5] begins in the air in layer 3: "
+            "close it (stock; new --fill-holes) and drill");
   roof.begins = 100.0;
   EXPECT_EQ(
       words_of(roof, places_of({roof}), settings),
       "a roof of 1 x 1 x 1 mm near [0.5,0.5,0.5] begins in the air in layer 3, with 1 % of the part on it: "
-      "close it and drill");
+      "close it (stock; new --fill-holes) and drill");
 }
 
 SequenceNumbers sequence_with(const FaultyPlaces& places) {

@@ -95,7 +95,7 @@ class Page(Answer):
         self.assertEqual([place["words"] for place in right["places"]],
                          [place["words"] for place in self.summary["binary"]["places"]])
         self.assertEqual(self.page.count('data-view="1"'), len(right["places"]))
-        self.assertIn("Even layers: no place that cannot be built", self.page)
+        self.assertIn("Even layers: can be built everywhere", self.page)
 
     def test_places_begin_at_the_corner_of_the_box(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -55,7 +55,7 @@ class RepairTest(FabseqTest):
                           f"{count} element{'s' * (count > 1)} repaired, {len(moved)} of them moved to another layer",
                           f"skin as built: rms {milli(skin['rms'])}, before {milli(before['rms'])}; "
                           f"largest {milli(skin['max'])}, before {milli(before['largest'])}",
-                          "no place left", f"results in {output}"])
+                          "no place left", f"results in {output}; go on with fabseq-tools report, paths"])
         fields = [read_fields(os.path.join(folder, "result.h5"))["layer"] for folder in (run.output, output)]
         changed = np.argwhere(fields[0] != fields[1])[:, ::-1].tolist()
         self.assertEqual(sorted(one["element"] for one in moved), sorted(changed))

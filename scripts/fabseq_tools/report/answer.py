@@ -91,6 +91,6 @@ def place_lists(run, pair):
         entries += f'<li class="note">and {left:,} more</li>' * (left > 0)
         count = block.get("places_in_all", 0)
         name = title_of(run, view["state"]).removeprefix("Best alternative: ").capitalize()
-        title = f"{name}: {count:,} place{'s' * (count != 1)}" if count else f"{name}: no place that cannot be built"
+        title = f"{name}: {count:,} place{'s' * (count != 1)}" if count else f"{name}: can be built everywhere"
         lists.append(f"<h3>{escape(title)}</h3>{f'<ol>{entries}</ol>' if entries else ''}")
     return f'<aside id="places">{"".join(lists)}</aside>'

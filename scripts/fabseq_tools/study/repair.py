@@ -118,7 +118,7 @@ def repaired(run, repair):
     left = verdicts.place_lines(run.summary)
     yield "places left:" if left else "no place left"
     yield from (f"  {words}" for words in left)
-    yield f"results in {run.directory}"
+    yield f"results in {run.directory}; go on with fabseq-tools report, paths"
 
 
 def skin_of(run):
