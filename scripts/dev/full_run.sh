@@ -1,0 +1,30 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# Runs all tests, those that sanitizers have once more with them, and clang-tidy on all sources. Where all pass, and the
+# tree is that of a commit, .ci/full_run says so.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/../.."
+source scripts/environment.sh
+
+record=.ci/full_run
+is_committed() { [[ -d .git || -f .git ]] && [[ -z $(git status --porcelain) ]]; }
+commit=
+! is_committed || commit=$(git rev-parse HEAD)
+
+# Tests wait for processes and files much of the time: the build with sanitizers goes on beside the first ones, clang-tidy
+# beside the others, in the time that these leave.
+build_log=$(mktemp) tidy_log=$(mktemp) status=0
+chrt --idle 0 bash scripts/test.sh --preset sanitizers --build -R . >"$build_log" 2>&1 &
+build=$!
+bash scripts/test.sh -R . || status=1
+wait $build || { cat "$build_log"; exit 1; }
+chrt --idle 0 bash scripts/dev/lint.sh --tidy >"$tidy_log" 2>&1 &
+tidy=$!
+bash scripts/test.sh --preset sanitizers -R . || status=1
+wait $tidy || { cat "$tidy_log"; status=1; }
+((status == 0)) || exit $status
+echo "all tests, all with sanitizers, clang-tidy: passed after $((SECONDS / 60)) min"
+if [[ -n $commit ]] && is_committed; then
+  printf '%s passed all of scripts/test.sh --all on %s, in %d min on %d cores\n' "$commit" "$(date -u +%F)" $((SECONDS / 60)) \
+    "$(core_count)" >$record
+fi
