@@ -9,7 +9,7 @@ set(FABSEQ_REGISTERING stage_mpi_test sequence_kind_mpi_test)
 # where cases need it that take long, and both where they do not.
 set(FABSEQ_ENGINE kernels ranks multigrid islands cg)
 set(FABSEQ_DECOMPOSED parallel grid part files ${FABSEQ_ENGINE} machine solve sequence thermal)
-set(FABSEQ_THREE_TOO island_map_mpi_test part_mpi_test)  # the middle of three ranks has a neighbour on either side
+set(FABSEQ_THREE_TOO island_map_mpi_test part_mpi_test step_transpose_mpi_test)  # the middle of three ranks has a neighbour on either side
 set(FABSEQ_ALONE lane_cg_mpi_test)
 set(FABSEQ_ALONE_TOO stop_mpi_test)
 function(fabseq_rank_counts result name module)

@@ -20,8 +20,8 @@ LayerGroups::LayerGroups(MPI_Comm world, int count) : world_(world), count_(coun
 
 std::vector<double> LayerGroups::share(std::span<const double> field) const {
   const auto begin = field.begin();
-  return {begin + static_cast<std::ptrdiff_t>(start(field.size(), index_)),
-          begin + static_cast<std::ptrdiff_t>(start(field.size(), index_ + 1))};
+  return {begin + static_cast<std::ptrdiff_t>(first_of_share(field.size(), index_)),
+          begin + static_cast<std::ptrdiff_t>(first_of_share(field.size(), index_ + 1))};
 }
 
 std::vector<double> LayerGroups::gather(std::span<const double> share) const {
@@ -39,7 +39,9 @@ std::vector<std::vector<double>> LayerGroups::share_out(std::span<const std::vec
     for (auto& share : share_out(own.subspan(of_early), late, length)) shares.push_back(std::move(share));
     return shares;
   }
-  const auto share_of = [&](int group) { return start(length, group + 1) - start(length, group); };
+  const auto share_of = [&](int group) {
+    return first_of_share(length, group + 1) - first_of_share(length, group);
+  };
   std::vector<int> sent(count_), sent_starts(count_), received(count_), received_starts(count_);
   for (int group = 0; group < count_; ++group) {
     sent[group] = static_cast<int>(own.size() * share_of(group));
@@ -51,7 +53,7 @@ std::vector<std::vector<double>> LayerGroups::share_out(std::span<const std::vec
   std::vector<double> outgoing, incoming(static_cast<std::size_t>(received_starts.back()) + received.back());
   for (int group = 0; group < count_; ++group)
     for (const std::vector<double>& field : own) {
-      const auto begin = field.begin() + static_cast<std::ptrdiff_t>(start(length, group));
+      const auto begin = field.begin() + static_cast<std::ptrdiff_t>(first_of_share(length, group));
       outgoing.insert(outgoing.end(), begin, begin + static_cast<std::ptrdiff_t>(share_of(group)));
     }
   MPI_Alltoallv(outgoing.data(), sent.data(), sent_starts.data(), MPI_DOUBLE, incoming.data(),

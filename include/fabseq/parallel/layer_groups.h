@@ -36,7 +36,9 @@ class LayerGroups {
   /// This rank's share of a field that it and its copies have. Local.
   std::vector<double> share(std::span<const double> field) const;
   /// Number of the first entry of this rank's share of a field with so many entries. Local.
-  std::size_t first_of_share(std::size_t length) const { return start(length, index_); }
+  std::size_t first_of_share(std::size_t length) const { return first_of_share(length, index_); }
+  /// The same of the copy in `group`; in group count(), the number of entries. Local.
+  std::size_t first_of_share(std::size_t length, int group) const { return length * group / count_; }
   /// The whole field, from the shares of this rank and its copies.
   std::vector<double> gather(std::span<const double> share) const;
   /// This rank's shares of several fields, each of which exists in one group only. `owners`: the group of
@@ -57,9 +59,6 @@ class LayerGroups {
   void run(const std::function<void()>& work) const;
 
  private:
-  /// First entry of a group's share of a vector with `length` entries.
-  std::size_t start(std::size_t length, int group) const { return length * group / count_; }
-
   MPI_Comm world_;
   int count_ = 1, index_ = 0;
   Communicator domain_, across_;  ///< null with one group
