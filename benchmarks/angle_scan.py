@@ -40,7 +40,7 @@ class Scan:
         return program_run.read_json(self.output, "evaluation.json")
 
     def at(self, angle):
-        """Objective, its derivative by the angle, and the number of layers."""
+        """Objective, its derivative with respect to the angle, and the number of layers."""
         number = self.arguments.subpart - 1
         angles = [list(row) for row in self.angles]
         angles[number][0] = angle

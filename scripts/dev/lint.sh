@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Checks that need no run: format, clang-tidy, include graph, scripts, Doxygen, lists of keys, manual page. Needs the release build
+# Checks that need no run: format, clang-tidy, include graph, comments, scripts, Doxygen, lists of keys, manual page. Needs the release build
 # (scripts/setup.sh --ci). All checks run; the exit status is 1 if one of them found something.
 #
 #   scripts/dev/lint.sh [--tidy | --no-tidy] [FILE.cc...]     with files: clang-tidy looks at these only
@@ -41,6 +41,7 @@ doxygen_pages() {
 if [[ $part != tidy ]]; then
   step "clang-format" format
   step "include graph" /usr/bin/python3 scripts/dev/check_include_graph.py
+  step "comments and subjects of commits" /usr/bin/python3 scripts/dev/check_comments.py
   step "shell syntax" bash_syntax
   step "Python format" python_format
   step "flake8" flake8 scripts scripts/fabseq-tools tests benchmarks findings docs/example

@@ -32,7 +32,7 @@ class MultiPlanarLayers : public Layers {
                                   const LayerDensities& densities) const override;
 
  private:
-  /// Derivatives by the fields that a sub-part's layers are made of, part fields.
+  /// Derivatives with respect to the fields that a sub-part's layers are made of, part fields.
   struct FieldDerivatives {
     std::vector<double> before;    ///< by H(t; tau_{i-1})
     std::vector<double> sub_part;  ///< by E_i

@@ -21,7 +21,8 @@ std::array<double, Dim> print_direction(const double* angles) {
     return {c * std::cos(angles[1]), c * std::sin(angles[1]), s};
 }
 
-/// Adds to `d_angles`, [angle], what a derivative by the direction, [axis], amounts to.
+/// Maps a derivative with respect to the direction, [axis], to the angles, and adds it to `d_angles`,
+/// [angle].
 template <int Dim>
 void add_angle_derivatives(const double* angles, const double* d_direction, double* d_angles) {
   const double c = std::cos(angles[0]), s = std::sin(angles[0]);

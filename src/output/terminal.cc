@@ -146,8 +146,8 @@ void Terminal::table(const Summary& summary, const std::string& directory) const
   const auto& miss = summary.finish->reports.miss;
   const bool feasible = summary.finish->best.feasible();
   const bool done = summary.end.status == "converged" || summary.end.status == "iteration_limit";
-  print((done ? "done" : summary.end.status) + " after " + std::to_string(summary.end.iterations) + " iterations (" +
-        summary.end.reason + "), " + formatted("%.1f s", summary.seconds.total) +
+  print((done ? "done" : summary.end.status) + " after " + std::to_string(summary.end.iterations) +
+        " iterations (" + summary.end.reason + "), " + formatted("%.1f s", summary.seconds.total) +
         (miss && !feasible ? "; constraint " + miss->words : ""));
   print(
       "all figures: summary.json, fields: result.h5 (ParaView: result.xdmf), pictures: fabseq-tools report; "

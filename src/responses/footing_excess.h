@@ -42,7 +42,7 @@ class FootingExcess {
             (dot(offset_, offset_) - along * along - radius * radius) / (2.0 * radius * least_edge_)};
   }
 
-  /// Adds the derivative of the excesses, weighted, by the axis.
+  /// Adds the derivative of the weighted excesses with respect to the axis.
   void add_derivative(const Point<Dim>& axis, const std::array<double, count>& weights,
                       Point<Dim>& d_axis) const {
     const double along = -dot(offset_, axis);

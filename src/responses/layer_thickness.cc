@@ -69,7 +69,7 @@ class LayerThickness : public Response<Dim> {
   }
 
  private:
-  /// How much a layer of this volume counts, from 0 to 1, and the derivative by the volume.
+  /// How much a layer of this volume counts, from 0 to 1, and the derivative with respect to the volume.
   struct Fade {
     double share = 1.0, slope = 0.0;
   };

@@ -23,7 +23,7 @@ struct BuildTime {
   double begin = -infinite, end = infinite;  ///< of the sub-part, if there are any
 };
 
-/// Derivatives of a lack of support by BuildTime::time and clock and by the build direction.
+/// Derivatives of a lack of support with respect to BuildTime::time and clock and to the build direction.
 template <int Dim>
 struct LackDerivative {
   double time = 0.0, clock = 0.0;
@@ -58,7 +58,8 @@ class SupportBelow {
   /// X of a part element. \param axis  its build direction \param times  gather()
   double lack(std::size_t element, const BuildTime& when, const Point<Dim>& axis,
               std::span<const double> times) const;
-  /// Derivatives of `weight` X. Adds those by the times of other elements to `d_times`, shaped as `times`.
+  /// Derivatives of `weight` X. Adds those with respect to the times of other elements to `d_times`, shaped
+  /// as `times`.
   LackDerivative<Dim> derivative(std::size_t element, const BuildTime& when, const Point<Dim>& axis,
                                  std::span<const double> times, double weight,
                                  std::span<double> d_times) const;

@@ -166,8 +166,8 @@ class ToolClearance : public Response<Dim> {
     }
   }
 
-  /// Calls what(position in the halo's box, weight N_c, its derivative by the offset) for the elements around
-  /// a point that hold material.
+  /// Calls what(position in the halo's box, weight N_c, its derivative with respect to the offset) for the
+  /// elements around a point that hold material.
   template <class What>
   void for_each_corner(const Place& place, const Point<Dim>& offset, What&& what) const {
     const Point<Dim>& spacing = context_.part.grid().spacing();

@@ -9,7 +9,7 @@
 namespace fabseq {
 
 /// The build direction of curved layers, grad t / sqrt(|grad t|^2 + eps^2) (docs/formulation.md 13.2), with
-/// its derivative by grad t.
+/// its derivative with respect to grad t.
 template <int Dim>
 struct UnitGradient {
   UnitGradient() = default;
@@ -20,7 +20,7 @@ struct UnitGradient {
     for (int i = 0; i < Dim; ++i) vector[i] = gradient[i] / length;
   }
 
-  /// Adds the derivative by grad t to Dim entries. \param d_vector  dJ/d(vector)
+  /// Adds the derivative with respect to grad t to Dim entries. \param d_vector  dJ/d(vector)
   void add_derivative(const Point<Dim>& d_vector, double* d_gradient) const {
     double along = 0.0;
     for (int i = 0; i < Dim; ++i) along += d_vector[i] * vector[i];

@@ -44,8 +44,8 @@ class GuidedProblem {
   /// Iterations of the last times().
   int iterations() const { return iterations_; }
 
-  /// Derivatives by v, [part element][axis], one list per row. Collective on the grid's communicator; each
-  /// group acts on its own.
+  /// Derivatives with respect to v, [part element][axis], one list per row. Collective on the grid's
+  /// communicator; each group acts on its own.
   std::vector<std::vector<double>> pull_back(std::span<const TimeDerivatives> rows);
   /// Iterations of the last pull_back(), one entry per row.
   const std::vector<int>& adjoint_iterations() const { return adjoint_iterations_; }

@@ -73,7 +73,8 @@ std::vector<std::vector<double>> GuidedSequence<Dim>::pull_back(std::span<const 
   return result;
 }
 
-/// Derivative by the filtered design from that by v: v goes with e^-s, so that dv/ds = -v.
+/// Derivative with respect to the filtered design, from that with respect to v: v goes with e^-s, so that
+/// dv/ds = -v.
 template <int Dim>
 std::vector<double> GuidedSequence<Dim>::by_design(const std::vector<double>& d_vectors) const {
   const int components = settings_.components(Dim);

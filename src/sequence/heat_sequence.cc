@@ -205,7 +205,7 @@ std::vector<std::vector<double>> HeatSequence<Dim>::pull_back(std::span<const Ti
     for (const std::vector<double>& gradient : by_diffusivity(part_, flux, adjoints))
       result.push_back(filter_.apply_transpose(gradient));
   };
-  // The adjoint solves K_T lambda = -dJ/dT. As t = 1 - T, the load -dJ/dT is the derivative by t.
+  // The adjoint solves K_T lambda = -dJ/dT. As t = 1 - T, the load -dJ/dT is dJ/dt.
   adjoint_iterations_ =
       solve_time_adjoints<Dim>(part_, model_->element, *solver_, rows, lanes_, add, "a heat adjoint");
   if (solver_->saves_memory()) solver_->give_back_memory();

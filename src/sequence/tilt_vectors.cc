@@ -10,7 +10,7 @@ namespace {
 /// Functions of the angle |a| that are smooth at 0.
 struct AngleFunctions {
   double cosine, sine_ratio;  ///< cos|a|, sin|a| / |a|
-  double slope_ratio;         ///< derivative of sin|a| / |a| by |a|, over |a|
+  double slope_ratio;         ///< d(sin|a| / |a|)/d|a|, over |a|
 
   template <std::size_t Size>
   explicit AngleFunctions(const std::array<double, Size>& tilt) {

@@ -19,7 +19,7 @@ class TiltVectors {
 
   /// d = up cos|a| + (sum_i a_i e_i) sin|a| / |a|, of unit length. `tilt`: a, [component].
   Point<Dim> direction(const double* tilt) const;
-  /// Adds the derivative by a to d_tilt, [component]. \param d_direction  dJ/dd
+  /// Adds the derivative with respect to a to d_tilt, [component]. \param d_direction  dJ/dd
   void add_derivative(const double* tilt, const Point<Dim>& d_direction, double* d_tilt) const;
   /// The tilt vector of a direction of any length; 0 for both directions along the plate's normal.
   std::array<double, components> tilt_of(const Point<Dim>& direction) const;

@@ -14,8 +14,8 @@
 
 namespace fabseq {
 
-/// Solves K lambda = dJ/dt_n for rows of derivatives by the element means of nodal times and by their
-/// gradients at centres, as many rows side by side as `lanes` and PETSc's indices allow.
+/// Solves K lambda = dJ/dt_n for rows of derivatives with respect to the element means of nodal times and to
+/// their gradients at centres, as many rows side by side as `lanes` and PETSc's indices allow.
 /// \param use   gets lambda of each of these blocks of rows, in order
 /// \param what  the solve, for the message of one that does not converge
 /// Returns the iterations of each row. Collective on the grid's communicator.

@@ -129,7 +129,8 @@ void print_uncarried(const Setup<Dim>& setup) {
     if (place.is_roof)
       print("hole: " + to_text<Dim>(place.hole_lower) + " to " + to_text<Dim>(place.hole_upper) +
             ", its roof spans " + length_words(place.span, unit) + why + "a bead bridges " +
-            length_words(bridged_span(setup.part, tool), unit) + "; close it (stock; fabseq-tools new --fill-holes) and drill");
+            length_words(bridged_span(setup.part, tool), unit) +
+            "; close it (stock; fabseq-tools new --fill-holes) and drill");
     else
       print("in the air: " + to_text<Dim>(place.lower) + " to " + to_text<Dim>(place.upper) + why +
             "turn the part, or let the table tilt further");

@@ -42,8 +42,8 @@ struct VariedNumbers {
   double rms = 0.0;                                ///< the same
   std::optional<double> largest_deviation = std::nullopt, rms_deviation = std::nullopt;  ///< of noise
 };
-/// Of a sequence under a change: as changed, and of the unchanged one, with the other deposition model and
-/// with noise of the layers' strain, which need no solve.
+/// Results for one changed problem, and for the unchanged one under the other deposition model and under
+/// noise of the layers' strain, which need no solve.
 struct Varied {
   VariedNumbers own;
   std::optional<VariedNumbers> other_deposition, noise;

@@ -124,7 +124,7 @@ std::vector<double> ThermalModel<Dim>::film_of(std::span<const double> standing)
   return sum_of(ghosted);
 }
 
-/// Of the lift by the held nodes: what a system for the others has on its right-hand side.
+/// Right-hand side of the free nodes due to the prescribed plate temperature.
 template <int Dim>
 std::vector<double> ThermalModel<Dim>::flow_to_plate(std::span<const double> share) const {
   const Grid<Dim>& grid = part.grid();

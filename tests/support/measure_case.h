@@ -48,7 +48,7 @@ struct MeasureCase {
     const ProcessResult result = result_of(displacement, release);
     return response.values({state.time, state.layers, result}).at(0);
   }
-  /// Derivatives by displacement and by that of the release.
+  /// Derivatives with respect to the displacement and to that of the release.
   ProcessAdjoint derivative(const Response<Dim>& response, const std::vector<double>& displacement,
                             const std::vector<double>& release = {}) const {
     const ProcessResult result = result_of(displacement, release);

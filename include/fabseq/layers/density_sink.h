@@ -8,10 +8,10 @@
 
 namespace fabseq {
 
-/// Where the derivatives of one functional by the densities go: to the layers, which turn them into those by
-/// the pseudo-time and by their own variables. Whoever adds derivatives by the densities of some layers hands
-/// them on at once: those of all layers would fill the memory for functionals by the dozen. Refers to all
-/// that it is made of.
+/// Where the derivatives of one functional with respect to the densities go: to the layers, which turn them
+/// into those with respect to the pseudo-time and to their own variables. Whoever adds derivatives with
+/// respect to the densities of some layers flushes them at once: those of all layers would fill the memory
+/// for functionals by the dozen. Refers to all that it is made of.
 class DensitySink {
  public:
   /// \param layers     those of the pseudo-time `time`, whose densities are `densities`

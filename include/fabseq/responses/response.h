@@ -58,7 +58,7 @@ struct ConstraintRow {
   double violation(double value) const {
     return logarithmic ? sign * std::log(std::max(value, least) / bound) : sign * (value - bound) / scale;
   }
-  /// Derivative of violation() by the value.
+  /// Derivative of violation() with respect to the value.
   double slope(double value) const { return sign / (logarithmic ? std::max(value, least) : scale); }
 
   static constexpr double least = 1e-100;  ///< whose logarithm is taken in place of that of 0
@@ -92,7 +92,8 @@ class Response {
   virtual double size() const { return 0.0; }
   /// Raw values, one per component.
   virtual std::vector<double> values(const PipelineState<Dim>& state) const = 0;
-  /// Adds weight * d(value of the component) to the derivatives by each stage that the component depends on.
+  /// Adds weight * d(value of the component) to the derivatives with respect to each stage's results that the
+  /// component depends on.
   virtual void add_derivative(int component, double weight, const PipelineState<Dim>& state,
                               PipelineAdjoint<Dim>& adjoint) const = 0;
   /// The optimizer's rows for each component of a constraint. Allowed ranges are shrunk to `margin` times

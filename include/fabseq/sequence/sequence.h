@@ -48,7 +48,7 @@ struct DesignScale {
   /// clipped to the bounds.
   double to_unit(double design) const;
   double from_unit(double unit) const;
-  /// Derivative of the design value by its position in [0, 1].
+  /// Derivative of the design value with respect to its position in [0, 1].
   double slope(double design) const;
 };
 

@@ -31,8 +31,7 @@ class ElasticitySolver {
                                                       std::span<LaneVector> displacements) = 0;
 
   /// The number of sets of loads of the current block that a call makes the most of: further ones would only
-  /// wait and take memory.
-  /// The same on all ranks.
+  /// wait and take memory. The same on all ranks.
   virtual std::size_t sets_at_once() const { return std::numeric_limits<std::size_t>::max(); }
 
   /// Later solves go to this tolerance; on the reference path collective.

@@ -13,7 +13,7 @@ namespace fabseq {
 struct LayerTemperatures {
   std::vector<double> interpass;    ///< B_j at which each layer begins, degrees Celsius, [layer]
   std::vector<double> share;        ///< s_j of the inherent strain that each layer gets, [layer]
-  std::vector<double> share_slope;  ///< its derivative by B_j, 1/K, [layer]
+  std::vector<double> share_slope;  ///< d(share)/dB_j, 1/K, [layer]
 
   // Excesses over the air, K, at these nodes of the rank, which are those of ThermalModel.
   std::span<const int> nodes;

@@ -46,8 +46,8 @@ class TemperatureSimulation {
   /// (docs/formulation.md 4.8), which must outlive the simulation; nullptr: all. The solver must leave out
   /// elements without diffusivity then. Pauses are found with all.
   void take_only(const StandingElements<Dim>* standing) { standing_ = standing; }
-  /// Adds the derivatives of several functionals by the densities of the last simulation's layers. Collective
-  /// on the grid's communicator.
+  /// Adds the derivatives of several functionals with respect to the densities of the last simulation's
+  /// layers. Collective on the grid's communicator.
   void pull_back(const LayerDensities& densities, std::span<const TemperatureAdjoint> functionals);
   /// The pauses with which every layer begins at `limit`, degrees Celsius, or below, each found with those
   /// before it. Collective on the world of the groups.

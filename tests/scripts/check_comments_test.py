@@ -1,0 +1,43 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: MIT
+"""scripts/dev/check_comments.py on comments and commits of its own."""
+
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import check_comments
+
+FULL = "/// " + 20 * "word "
+
+
+def offences(*lines):
+    return [(number, text.partition(":")[0]) for number, text in check_comments.offences_of(lines)]
+
+
+class CommentsTest(unittest.TestCase):
+    def test_derivatives_are_with_respect_to(self):
+        found = offences("/// Adds derivatives of the load by strains.", "int derivative_by_time();", "// Gradients by adjoints.")
+        self.assertEqual(found, [(1, "'derivatives of the load by' something")])
+        self.assertEqual(offences("/// Derivative with respect to the strain, by its adjoint."), [])
+
+    def test_a_line_that_a_formatter_tore(self):
+        self.assertEqual([number for number, _ in offences(FULL.rstrip(), "/// torn", FULL.rstrip(), "/// end.")], [2])
+        self.assertEqual(offences("  /// End.", "  ///", "  /// New paragraph.", "  /// \\param x  one", "  /// \\param y  other"), [])
+        self.assertEqual(offences("// SPDX-License-Identifier: MIT", "/// \\file", "/// What it holds."), [])
+
+    def test_subjects_of_commits(self):
+        with tempfile.TemporaryDirectory() as folder:
+            def git(*words):
+                subprocess.run(["git", "-c", "user.name=nobody", "-c", "user.email=nobody@example.org", *words], cwd=folder,
+                               check=True, capture_output=True)
+            self.assertEqual(check_comments.subjects(folder), [])
+            git("init", "-q")
+            for subject in ("Add a check", "add another"):
+                git("commit", "--allow-empty", "-qm", subject)
+            self.assertEqual(check_comments.subjects(folder), ["add another", "Add a check"])
+
+
+if __name__ == "__main__":
+    sys.exit(unittest.main())
