@@ -14,8 +14,8 @@
 #   --sanitizers  afterwards the same tests with AddressSanitizer and UndefinedBehaviorSanitizer
 #   --preset NAME the tests of this preset (release, sanitizers, indices64) only
 #   --quick       what finds most mistakes in less than three minutes, once it is built
-#   --label NAME  quick, thorough (what --all has beside the others), kernels, gradients, files, scripts, indices or slurm:
-#                 CONTRIBUTING.md says when which of them
+#   --label NAME  quick, thorough (what --all has beside the others), kernels, gradients, files, scripts, evidence, indices or
+#                 slurm: CONTRIBUTING.md says when which of them
 #   --build       builds what the tests need, and runs none
 #
 # With FABSEQ_NO_SKIPS=1, a test that has to be skipped fails, unless the regular expression FABSEQ_MAY_SKIP
@@ -44,7 +44,7 @@ done
 # Programs of the tests that ctest would run; scripts run fabseq itself.
 targets() {
   ctest --preset "$1" --show-only --verbose "${selection[@]}" | sed -nE '/^[0-9]+: Test command:/{
-    s#.*/integration/benchmarks_test\.py.*#scaling_plan#; s#.*/python3 .*#fabseq#
+    s#.*/evidence/tests/scaling_test\.py.*#scaling_plan#; s#.*/python3 .*#fabseq#
     s#.*/(tests|benchmarks)/([a-z_0-9]+)("| |$).*#\2#; p }' | sort -u
 }
 

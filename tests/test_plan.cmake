@@ -40,7 +40,7 @@ endfunction()
 
 # Topics of tests/integration that sanitizers leave out: of scripts, which run the program as the other topics
 # do; of digits, which the release build looks at; and of classes whose own tests sanitizers run.
-set(FABSEQ_RELEASE_TOPICS "benchmarks|calculix|calibrate|calibrate_checks|calibrate_runs|compensate|gradient_matrix|one_reader|orient|own_kinds|own_layer|package|reproduce|slurm")
+set(FABSEQ_RELEASE_TOPICS "benchmarks|calculix|calibrate|calibrate_checks|calibrate_runs|compensate|gradient_matrix|one_reader|orient|own_kinds|package|slurm")
 string(APPEND FABSEQ_RELEASE_TOPICS "|python|deposition|direct|groups|pictures|ranks|readme|scenarios|squares|stop")
 string(APPEND FABSEQ_RELEASE_TOPICS "|coarse|gradients|welded_back|install|model_group|multi_planar|region|reruns|sensitivity|starts|verdict")
 
@@ -48,7 +48,7 @@ string(APPEND FABSEQ_RELEASE_TOPICS "|coarse|gradients|welded_back|install|model
 # the end.
 set(FABSEQ_COSTS
     integration.readme=170 integration.stop=140 faults.sample=120 integration.restart=110 integration.slurm=100
-    scripts.report_test=80 integration.reproduce=70 integration.configs=70 integration.multi_planar=65
+    scripts.report_test=80 evidence.reproduce=70 integration.configs=70 integration.multi_planar=65
     integration.sensitivity=65 integration.benchmarks=65 integration.errors=60 integration.ranks=60
     scripts.overview_test=50 scripts.launch_test=50 integration.scenarios=50 integration.groups=50 integration.direct=50 integration.thermal=45 integration.verdict=40
     layer_groups_mpi_test.np4=50 scripts.export_paths_test=45 integration.deposition=45 integration.failures=40
@@ -73,7 +73,8 @@ set(FABSEQ_LABELS
     "kernels=^(kernels|ranks|multigrid|islands|cg|fem)/"
     "gradients=^(responses|layers|process|sequence|optimize)/|^integration/integration.(gradient|guided|reference|squares|direct|deposition|sensitivity)"
     "files=^(files|faults|config|keys)/|^integration/integration.(errors|hostile_input|mesh|model_group|outputs|reruns|restart|stop|failures|simulate|locale|locks)"
-    "scripts=^scripts/|^integration/integration.(benchmarks|calculix|calibrate|compensate|orient|own_layer|pictures|readme|reproduce|slurm|install|package)"
+    "scripts=^scripts/|^integration/integration.(benchmarks|calculix|calibrate|compensate|orient|pictures|readme|slurm|install|package)"
+    "evidence=^evidence/"
     "indices=^(base/mpi|grid|part|solve|files|sequence)"
     "slurm=^integration/integration.slurm"
     "quick=^(base|keys|parallel|grid|mesh|part|files|fem|solve|sequence|layers|machine|process|responses|config|mma|optimize|report|repair)/|^scripts/")

@@ -5,7 +5,7 @@
 #
 #   sbatch --array=1-$(scripts/slurm/study_table.py TABLE.csv) --ntasks=8 scripts/slurm/study.sh CONFIG TABLE.csv OUTPUT [OPTION OF FABSEQ]...
 #
-# e.g. configs/l_shape.json configs/studies/alpha_study.csv output/alpha. The table's first column is the name of the run,
+# e.g. configs/l_shape.json configs/alpha_study.csv output/alpha. The table's first column is the name of the run,
 # which goes to OUTPUT/NAME; the others are keys of the config with their values. Afterwards scripts/fabseq-tools compare
 # OUTPUT/* gathers the results.
 #SBATCH --job-name=fabseq_study

@@ -5,7 +5,7 @@
 #
 #   scripts/use/study.sh [-np RANKS] CONFIG TABLE.csv OUTPUT [OPTION OF FABSEQ]...
 #
-# e.g. configs/l_shape.json configs/studies/alpha_study.csv output/alpha. Tables are those of
+# e.g. configs/l_shape.json configs/alpha_study.csv output/alpha. Tables are those of
 # scripts/slurm/study.sh: the first column is the name of the run, which goes to OUTPUT/NAME; the others are keys
 # of the config with their values. Afterwards scripts/fabseq-tools compare OUTPUT/* gathers the results.
 set -euo pipefail

@@ -15,6 +15,12 @@ install(DIRECTORY docs DESTINATION ${FABSEQ_DOCUMENTS} COMPONENT debian EXCLUDE_
         FILES_MATCHING PATTERN "*.md" PATTERN "*.png" PATTERN "*.svg" PATTERN "*.csv"
         PATTERN architecture.md EXCLUDE
         PATTERN example EXCLUDE)
+install(DIRECTORY benchmarks/evidence DESTINATION ${FABSEQ_DOCUMENTS}/benchmarks COMPONENT debian EXCLUDE_FROM_ALL
+        FILES_MATCHING PATTERN "*.md" PATTERN "*.png" PATTERN "*.svg" PATTERN "*.csv"
+        PATTERN figures EXCLUDE
+        PATTERN scaling EXCLUDE
+        PATTERN studies EXCLUDE
+        PATTERN tests EXCLUDE)
 fabseq_install_link(${FABSEQ_DATA}/configs ${FABSEQ_DOCUMENTS}/examples COMPONENT debian EXCLUDE_FROM_ALL)
 install(FILES src/package/debian/copyright DESTINATION ${FABSEQ_DOCUMENTS} COMPONENT debian EXCLUDE_FROM_ALL)
 install(FILES src/package/debian/lintian-overrides DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides RENAME fabseq

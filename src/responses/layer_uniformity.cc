@@ -98,7 +98,7 @@ const Registered<Uniformity, UniformitySettings> registered(
     {.name = "layer_uniformity",
      .layers = LayerKind::curved,
      .needs_time_gradient = true,
-     .weight = 0.3,  // measured at nominal positions (docs/results/defaults.md)
+     .weight = 0.3,  // measured at nominal positions (benchmarks/evidence/results/defaults.md)
      .weight_option = "-alpha"},
     Section<UniformitySettings>("objective")
         .key("form", &UniformitySettings::form, "Form of the deviation within each layer",

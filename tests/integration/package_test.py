@@ -16,7 +16,8 @@ NEEDED = ["usr/bin/fabseq", "usr/bin/fabseq-tools", "usr/share/man/man1/fabseq.1
           "usr/share/fabseq/scripts/environment.sh", "usr/share/fabseq/scripts/launch.sh", "usr/share/fabseq/scripts/use/run.sh",
           "usr/share/fabseq/scripts/fabseq_tools/entry.py", "usr/share/fabseq/configs/parts/flanged_elbow.h5",
           "usr/share/doc/fabseq/README.md", "usr/share/doc/fabseq/docs/cluster.md", "usr/share/doc/fabseq/docs/overview.png",
-          "usr/share/doc/fabseq/docs/results/built.md", "usr/share/doc/fabseq/copyright", "usr/share/doc/fabseq/changelog.gz",
+          "usr/share/doc/fabseq/benchmarks/evidence/results/built.md",
+          "usr/share/doc/fabseq/copyright", "usr/share/doc/fabseq/changelog.gz",
           "usr/share/doc/fabseq/changelog.Debian.gz", "usr/share/lintian/overrides/fabseq"]
 LINKS = {"usr/bin/fabseq-tools": "../share/fabseq/scripts/fabseq-tools", "usr/share/fabseq/fabseq": "../../bin/fabseq",
          "usr/share/doc/fabseq/examples": "../../fabseq/configs"}

@@ -19,7 +19,7 @@ import unittest
 
 from compare_runs import assert_same_run
 
-HERE = os.path.dirname(os.path.abspath(__file__))
+HERE = os.path.dirname(os.path.realpath(__file__))
 ROOT = os.path.dirname(os.path.dirname(HERE))
 PROGRAM = os.path.abspath(os.environ.get("FABSEQ_PROGRAM", os.path.join(ROOT, "build", "release", "fabseq")))
 SANITIZED = os.environ.get("FABSEQ_SANITIZED", "0") not in ("", "0", "OFF", "FALSE")

@@ -25,7 +25,7 @@ LAYERS = [{"type": "layer_thickness", "target": 4}, {"type": "last_layer"}]
 def elbow(folder):
     """The flanged elbow from its mesh, in elements of 5 mm."""
     mesh = os.path.join(folder, "elbow.stl")
-    subprocess.run([sys.executable, os.path.join(ROOT, "scripts/figures/flanged_elbow.py"), mesh], check=True)
+    subprocess.run([sys.executable, os.path.join(ROOT, "scripts/use/flanged_elbow.py"), mesh], check=True)
     return {"name": "elbow", "domain": {"element": 5, "unit": "mm"}, "part": {"mesh": {"file": mesh, "least_elements": 2}},
             "sequence": {"type": "heat"}, "layers": {"count": 27}, **SKIN,
             "constraints": [{"type": "layer_thickness", "target": 10}, {"type": "local_thickness"}, {"type": "supported"},

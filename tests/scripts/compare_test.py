@@ -171,7 +171,7 @@ class StudyTable(ScriptTest):
             self.assertIn(words, self.words(table, number), table)
 
     def test_table_of_the_repository(self):
-        done = self.run_script("slurm/study_table.py", PROJECT / "configs" / "studies" / "alpha_study.csv", 4)
+        done = self.run_script("slurm/study_table.py", PROJECT / "configs" / "alpha_study.csv", 4)
         self.assertEqual(done.stdout.splitlines(), ["alpha_10", "-set", "objective.layer_uniformity.weight=10"])
 
 

@@ -22,9 +22,10 @@ def starts():
     for command in find_commands():
         if command not in WITHOUT_PACKAGES:
             yield [TOOLS, command]
-    for path in sorted((PROJECT / "scripts/figures").glob("*.py")):
-        if os.access(path, os.X_OK):
-            yield [str(path.relative_to(PROJECT))]
+    for folder in ("scripts/use", "benchmarks/evidence/figures"):
+        for path in sorted((PROJECT / folder).glob("*.py")):
+            if os.access(path, os.X_OK):
+                yield [str(path.relative_to(PROJECT))]
 
 
 class FindPythonTest(unittest.TestCase):

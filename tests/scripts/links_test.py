@@ -8,7 +8,8 @@ import unittest
 from pathlib import Path
 
 PROJECT = Path(__file__).resolve().parents[2]
-PAGES = [*PROJECT.glob("*.md"), *(PROJECT / "docs").rglob("*.md")]
+FOLDERS = [PROJECT / "docs", PROJECT / "benchmarks"]
+PAGES = [*PROJECT.glob("*.md"), *(page for folder in FOLDERS for page in folder.rglob("*.md"))]
 
 
 def text_of(page):
@@ -58,7 +59,7 @@ class LinksTest(unittest.TestCase):
 
     def test_pictures_are_shown(self):
         shown = {(page.parent / link).resolve() for page in PAGES for link in links_of(page)}
-        kinds = (path for path in (PROJECT / "docs").rglob("*") if path.suffix in (".png", ".svg"))
+        kinds = (path for folder in FOLDERS for path in folder.rglob("*") if path.suffix in (".png", ".svg"))
         self.assertEqual([str(path.relative_to(PROJECT)) for path in kinds if path not in shown], [])
 
 

@@ -274,7 +274,7 @@ class SensitivityTest(FabseqTest):
 class Machine(StudyTest):
     def machine(self, *words):
         """The rows of the table, without its head."""
-        script = os.path.join(ROOT, "scripts", "figures", "machine.py")
+        script = os.path.join(ROOT, "benchmarks", "evidence", "figures", "machine.py")
         command = [sys.executable, script, "--cases", "cases.json", "--output", "out", "--ranks", "1", "--step", "60",
                    "--azimuths", "2", "--program", PROGRAM, *words]
         run = subprocess.run(command, capture_output=True, text=True, cwd=self.directory, check=False,

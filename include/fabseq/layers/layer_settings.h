@@ -26,7 +26,7 @@ struct MultiPlanarSettings {
   /// To start from, and their bounds: [sub-part][angle], radians; 2D one angle, 3D elevation and azimuth.
   std::vector<double> angles, lowest_angles, highest_angles;
   double time_sharpness = 100.0;                  ///< k1
-  double slab_sharpness = 10.0;                   ///< k2; less than published (docs/results/multi_planar.md)
+  double slab_sharpness = 10.0;                   ///< k2; less than published (results/multi_planar.md)
   bool fixed_angles = false, fixed_time = false;  ///< kept from the optimizer
 };
 

@@ -20,7 +20,7 @@ struct MoveLimits {
   double first = 0.05;
   std::optional<double> last = 0.004;  ///< at the end of a run, at most; none: as large as before
   /// The same where a distortion may be handed over as squares. With larger steps the iterates of heat
-  /// sequences swing between two states (docs/formulation.md 9, docs/results/defaults.md).
+  /// sequences swing between two states (docs/formulation.md 9, benchmarks/evidence/results/defaults.md).
   double last_with_squares = 0.001;
 };
 

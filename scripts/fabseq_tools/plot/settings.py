@@ -4,11 +4,11 @@
     fabseq-tools plot-settings GROUP... [--picture settings.png]
 
 A GROUP is a directory of runs, each in a folder SETTING_VOID with VOID `absent` or `quiet`, as a study with a
-table like configs/studies/defaults_study.csv leaves them; its folders `defaults_VOID` are what the others are
-compared with. For each setting a row: how many times less than planar layers the optimized sequence distorts,
-with smooth layers (circles) and with binary ones (diamonds); hollow where a constraint is violated. Lines
-show the defaults. A panel each group and void model; the rows are in the order of the best binary figure of
-the first.
+table like defaults_study.csv of benchmarks/evidence/studies leaves them; its folders `defaults_VOID` are what
+the others are compared with. For each setting a row: how many times less than planar layers the optimized
+sequence distorts, with smooth layers (circles) and with binary ones (diamonds); hollow where a constraint is
+violated. Lines show the defaults. A panel each group and void model; the rows are in the order of the best
+binary figure of the first.
 """
 
 import os

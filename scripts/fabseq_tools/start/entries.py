@@ -7,7 +7,7 @@ from fabseq_tools.run.check_words import ANY_TILT, percent
 from fabseq_tools.start.config_text import Entry
 
 NARROW = 0.3  # of the part's volume over its geodesic height: a plate contact below is little
-THICKNESS = [0.6, 1.6]  # local, relative to the target: optimized parts keep it (docs/results/machine.md)
+THICKNESS = [0.6, 1.6]  # local, relative to the target: optimized parts keep it (benchmarks/evidence/results/machine.md)
 
 
 def entries_of(arguments, look, element, material, target, why_target, count):

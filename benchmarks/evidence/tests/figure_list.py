@@ -1,0 +1,1 @@
+../figures/figure_list.py

@@ -1,0 +1,74 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: MIT
+"""Elements, own nodes and the linear model of the study with heat and plastic flow
+(benchmarks/evidence/figures/with_heat.py); CalculiX itself is not run."""
+
+import unittest
+from types import SimpleNamespace
+from unittest import mock
+
+import numpy as np
+
+from fabseq_tools.geometry.grid import node_positions
+from heat_and_plasticity import own_cooling, steel
+from heat_and_plasticity.bricks import Bricks
+from heat_and_plasticity.mechanics import OwnNodes
+
+SIZE, COUNTS = [4.0, 2.0, 6.0], [2, 1, 3]
+
+
+def column():
+    """A plate of two elements, and on the left of it two layers of an element each."""
+    layer = np.array([[[0, 0]], [[1, 0]], [[2, 0]]])
+    solid = (layer > 0) | (np.arange(3)[:, None, None] == 0)
+    positions = node_positions(SIZE, COUNTS)
+    model = SimpleNamespace(positions=positions, config={}, supports=np.flatnonzero(positions[:, 2] == 0), solid=solid,
+                            layer=layer, size=SIZE, counts=COUNTS)
+    with mock.patch("heat_and_plasticity.bricks.LayerModel", return_value=model):
+        return Bricks("")
+
+
+class HeatAndPlasticityTest(unittest.TestCase):
+    def test_faces_in_the_air(self):
+        """Sides, and tops of the plate but where the part stands; not its lower face."""
+        bricks = column()
+        faces = [list(bricks.open_faces(layer)) for layer in (0, 1, 2)]
+        self.assertEqual([len(of) for of in faces], [8, 12, 16])
+        self.assertNotIn((0, 1), faces[2])
+        self.assertIn((0, 2), faces[0])
+        self.assertNotIn((0, 2), faces[1])
+
+    def test_layers_have_nodes_of_their_own(self):
+        bricks = column()
+        own = OwnNodes(bricks)
+        self.assertEqual(len(own.tied), 8)  # four below each layer
+        self.assertTrue(np.all(own.layer[own.corners] == bricks.layer[:, None]))
+        np.testing.assert_array_equal(own.of[own.corners], bricks.corners)
+
+    def test_an_even_cooling_of_a_free_cube(self):
+        """Its forces are those that shrink it by the free strain, and rigid motions take none."""
+        stiffness, force = own_cooling.cube(2.0)
+        points = own_cooling.CORNERS
+        np.testing.assert_allclose(stiffness @ points.ravel(), force, atol=1e-12)
+        self.assertEqual(np.linalg.matrix_rank(stiffness), 18)
+
+    def test_a_part_without_heat_shrinks_from_the_solidus(self):
+        """The last layer's top is free to follow its strain, and a part that is let go has no forces."""
+        bricks = column()
+        cold = np.full((2, 1, len(bricks.positions)), 20.0)
+        moved = own_cooling.displacements(bricks, cold, 20.0)
+        shrinkage = own_cooling.EXPANSION * (steel.SOLIDUS - 20.0)
+        top, below = (moved[bricks.corners[bricks.layer == 2][0]][where, 2].mean() for where in (slice(4, 8), slice(0, 4)))
+        self.assertLess(top, 0.0)
+        self.assertLess(abs(top) / (2.0 * shrinkage), 2.0)
+        self.assertLess(below, 0.0)
+
+    def test_curves_of_steel(self):
+        self.assertAlmostEqual(steel.conductivity(400), 0.04068)
+        self.assertAlmostEqual(steel.heat_capacity(400), 605.88, places=2)
+        self.assertAlmostEqual(steel.elongation(20), 0.0, places=6)
+        self.assertAlmostEqual(steel.elongation(860), 0.011, places=3)
+
+
+if __name__ == "__main__":
+    unittest.main()

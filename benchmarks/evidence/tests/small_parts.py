@@ -1,0 +1,1 @@
+../../../tests/integration/small_parts.py

@@ -1,1 +1,0 @@
-../../scripts/figures/figure_list.py
