@@ -47,8 +47,7 @@ if [[ $part != tidy ]]; then
   step "flake8" flake8 scripts scripts/fabseq-tools tests benchmarks findings docs/example
   step "Doxygen" doxygen_pages
   step "lists of keys in docs/reference.md" /usr/bin/python3 scripts/dev/reference_table.py
-  step "manual page" /usr/bin/python3 scripts/dev/man_page.py
-  step "format of the manual page" mandoc -Tlint docs/fabseq.1
+  step "manual page" mandoc -Tlint docs/fabseq.1
 fi
 if [[ $part != no-tidy ]]; then
   step "clang-tidy" /usr/bin/python3 scripts/dev/check_tidy.py --jobs "$(compile_jobs)" "$@"
