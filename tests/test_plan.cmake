@@ -80,8 +80,8 @@ set(FABSEQ_LABELS
     "quick=^(base|keys|parallel|grid|mesh|part|files|fem|solve|sequence|layers|machine|process|responses|config|mma|optimize|report|repair)/|^scripts/")
 # What scripts/test.sh --all has beside the tests that each change must pass: commands of the pages, campaigns, packages,
 # studies and pictures, Slurm, and four ranks where two have the same code.
-set(FABSEQ_THOROUGH "^integration/integration.(benchmarks|calibrate.*|check_picture|compensate|configs|install|leaks|multi_planar|orient|own_kinds|own_layer|package|pictures|python|readme|reproduce|sensitivity|slurm|stop|welded_back)$")
-string(APPEND FABSEQ_THOROUGH "|^faults/faults.sample$|^benchmarks/")
+set(FABSEQ_THOROUGH "^integration/integration.(calibrate.*|check_picture|compensate|configs|install|leaks|multi_planar|orient|own_kinds|package|pictures|python|readme|sensitivity|slurm|stop|welded_back)$")
+string(APPEND FABSEQ_THOROUGH "|^faults/faults.sample$|^evidence/|^benchmarks/")
 string(APPEND FABSEQ_THOROUGH "|^scripts/scripts.(answer|compare|damaged_files|export_.*|launch|new_config_pieces|overview|plots|report|study_tools|tools_package|virtual_display)_test$")
 function(fabseq_labels result module name)
   set(labels)
