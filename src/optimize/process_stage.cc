@@ -92,7 +92,7 @@ template <int Dim>
 void ProcessStage<Dim>::forward(const StageInput& input, StageResults<Dim>& results) {
   simulation_.set_tolerance(elasticity_tolerance(input.tolerance));
   simulation_.leave_out_unbuilt(input.region == SolverRegion::built);
-  results.process = &simulation_.simulate(*results.layers, std::move(results.strains));
+  results.process = &simulation_.simulate(*results.layers, *results.strains);
   forward_iterations_ = results.process->iterations;
   adjoint_iterations_.clear();
 }
@@ -103,7 +103,7 @@ void ProcessStage<Dim>::pull_back(const PipelineState<Dim>& state, const SolveTo
   std::vector<ProcessAdjoint> adjoints;
   std::vector<ProcessDerivatives> derivatives;
   const std::size_t cases = state.process.other_cases.size() + 1;
-  const bool has_strains = !simulation_.strains().uniform();
+  const bool has_strains = simulation_.strains().input_count() > 0;
   for (AdjointRow<Dim>* row : rows) {
     if (!row->shared) continue;
     for (ProcessAdjoint& functional : process_functionals(row->adjoint, cases)) {

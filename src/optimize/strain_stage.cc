@@ -2,30 +2,27 @@
 #include "fabseq/optimize/stage.h"
 #include "fabseq/process/inherent_strain.h"
 
+#include <span>
+#include <vector>
+
 namespace fabseq {
 
 namespace {
 
-/// Directions of the layers to inherent strains that turn with them (docs/formulation.md 4.2), and
-/// temperatures at which layers begin to the share that they get of it (14.2).
+/// The inherent strain as the source of strains (docs/formulation.md 4.2): it may turn with the directions of
+/// the layers, and layers get a share of it by the temperatures at which they begin (14.2).
 template <int Dim>
 class StrainStage : public Stage<Dim> {
  public:
-  /// Null if the strain is the same in all elements and layers.
-  static std::unique_ptr<Stage<Dim>> make(StageContext<Dim>& context) {
-    const ModelSettings& settings = context.model.settings;
-    if (!settings.material.turning_strain && !settings.thermal) return nullptr;
-    return std::make_unique<StrainStage>(context);
-  }
   explicit StrainStage(StageContext<Dim>& context)
       : groups_(context.model.groups),
         strain_(context.model.settings.material, context.model.characteristic_length) {}
 
   void forward(const StageInput& /*input*/, StageResults<Dim>& results) override {
-    results.strains = strain_.strains(results.time->gradient, *results.layers);
-    if (results.temperatures == nullptr) return;
-    full_ = results.strains;
-    scale_layers<Dim>(results.temperatures->share, results.strains);
+    strain_.set(results.time->gradient, *results.layers,
+                results.temperatures != nullptr ? std::span<const double>(results.temperatures->share)
+                                                : std::span<const double>());
+    results.strains = &strain_;
   }
   void pull_back(const PipelineState<Dim>& state, const SolveTolerance& /*tolerance*/,
                  AdjointRowSpan<Dim> rows) override {
@@ -44,8 +41,7 @@ class StrainStage : public Stage<Dim> {
 
  private:
   void pull_back_share(const LayerTemperatures& temperatures, PipelineAdjoint<Dim>& adjoint) const {
-    const std::vector<double> d_share =
-        pull_back_layer_scale<Dim>(full_, temperatures.share, adjoint.strains);
+    const std::span<const double> d_share = strain_.of_shares(adjoint.strains);
     std::vector<double>& d_interpass = adjoint.touch_interpass(temperatures.count());
     for (std::size_t j = 0; j < d_share.size(); ++j)
       d_interpass[j] += temperatures.share_slope[j] * d_share[j];
@@ -53,7 +49,6 @@ class StrainStage : public Stage<Dim> {
 
   const LayerGroups& groups_;
   InherentStrain<Dim> strain_;
-  StrainField full_;  ///< before the share of each layer
 };
 
 StageCost no_cost(const RunSize&, SolverPath, int, int) { return {}; }

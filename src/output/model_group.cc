@@ -23,7 +23,7 @@ std::vector<int> held_nodes_of(const ElasticModel<Dim>& elastic) {
 }  // namespace
 
 template <int Dim>
-void write_model_group(Hdf5Writer& file, const Model<Dim>& model, std::span<const double> strain) {
+void write_model_group(Hdf5Writer& file, const Model<Dim>& model, const BuiltStrain& strain) {
   const Grid<Dim>& grid = model.grid;
   const ElasticModel<Dim> elastic(model.part, model.supports, model.settings.material,
                                   model.settings.process);
@@ -39,11 +39,11 @@ void write_model_group(Hdf5Writer& file, const Model<Dim>& model, std::span<cons
   FieldSet<Dim> fields{&grid, {}};
   fields.add_elements("model/stiffness", stiffness, 1, &elastic.elements);
   fields.add_elements("model/strain_factor", factor, 1, &in_part);
-  if (elastic.material.turning_strain || model.settings.thermal) {
-    fields.add_elements("model/strain", strain, voigt_size<Dim>, &in_part);
-    fields.fields.back().single_precision = true;  // or it takes most of the group
+  if (strain.uniform) {
+    file.write_array("model/strain", strain.values);
   } else {
-    file.write_array("model/strain", elastic.common_strain);
+    fields.add_elements("model/strain", strain.values, voigt_size<Dim>, &in_part);
+    fields.fields.back().single_precision = true;  // or it takes most of the group
   }
   file.write_fields(fields);
   file.write_array("model/unbuilt_stiffness", std::vector<double>{elastic.stiffness(0.0)});

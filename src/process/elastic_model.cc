@@ -25,11 +25,6 @@ ElasticModel<Dim>::ElasticModel(const Part<Dim>& part_, const Supports<Dim>& sup
     strain[c] = 1.0;
     unit_loads[c] = element.strain_load(strain);
   }
-  common_strain.fill(1.0);
-  if (!material.turning_strain) {
-    strain_load = element.strain_load(material.inherent_strain);
-    std::copy_n(material.inherent_strain.begin(), common_strain.size(), common_strain.begin());
-  }
 
   const Grid<Dim>& grid = part.grid();
   domain.components = Dim;
@@ -73,56 +68,6 @@ std::vector<double> ElasticModel<Dim>::finished_stiffness() const {
   std::vector<double> result(elements.size());
   for (std::size_t e = 0; e < result.size(); ++e)
     result[e] = stiffness(stage_density(part.part_density(), e));
-  return result;
-}
-
-template <int Dim>
-std::array<double, voigt_size<Dim>> ElasticModel<Dim>::strain_of(const StrainField& strains,
-                                                                 std::size_t number, int layer) const {
-  constexpr std::size_t components = voigt_size<Dim>;
-  std::array<double, components> result = common_strain;
-  for (std::size_t c = 0; c < components; ++c) {
-    if (!strains.of_elements.empty()) result[c] = strains.of_elements[number * components + c];
-    if (!strains.of_layers.empty())
-      result[c] *= strains.of_layers[static_cast<std::size_t>(layer) * components + c];
-  }
-  return result;
-}
-
-template <int Dim>
-std::vector<double> ElasticModel<Dim>::strain_when_built(const StrainField& strains,
-                                                         std::span<const double> layer) const {
-  std::vector<double> result;
-  if (strains.uniform()) return result;
-  result.reserve(layer.size() * voigt_size<Dim>);
-  for (std::size_t e = 0; e < layer.size(); ++e) {
-    const auto strain = strain_of(strains, e, static_cast<int>(layer[e]) - 1);
-    result.insert(result.end(), strain.begin(), strain.end());
-  }
-  return result;
-}
-
-template <int Dim>
-typename ElasticModel<Dim>::ElementLoad ElasticModel<Dim>::unit_load(const StrainField& strains,
-                                                                     const StrainFactors<Dim>& factors,
-                                                                     std::size_t number, int layer) const {
-  if (strains.uniform()) return material_load(factors);
-  return load_of(strain_of(strains, number, layer), factors);
-}
-
-template <int Dim>
-typename ElasticModel<Dim>::ElementLoad ElasticModel<Dim>::material_load(
-    const StrainFactors<Dim>& factors) const {
-  if (factors == no_change<Dim>() || material.turning_strain) return strain_load;
-  return load_of(material.inherent_strain, factors);
-}
-
-template <int Dim>
-typename ElasticModel<Dim>::ElementLoad ElasticModel<Dim>::load_of(std::span<const double> strain,
-                                                                   const StrainFactors<Dim>& factors) const {
-  ElementLoad result{};
-  for (int c = 0; c < voigt_size<Dim>; ++c)
-    for (int i = 0; i < element_unknowns<Dim>; ++i) result[i] += factors[c] * strain[c] * unit_loads[c][i];
   return result;
 }
 

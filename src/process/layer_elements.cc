@@ -9,19 +9,42 @@
 
 namespace fabseq {
 
+namespace {
+
+/// Sets `load` to that of a strain, [Voigt][lane], in a full element.
+template <int Dim, int Width>
+void set_unit_load(const ElasticModel<Dim>& model, const double* strain,
+                   std::array<Lanes<Width>, element_unknowns<Dim>>& load) {
+  load.fill(Lanes<Width>::zero());
+  for (int c = 0; c < voigt_size<Dim>; ++c) {
+    const auto component = Lanes<Width>::load(strain + c * Width);
+    for (int i = 0; i < element_unknowns<Dim>; ++i) load[i] += component * model.unit_loads[c][i];
+  }
+}
+
+}  // namespace
+
 template <int Dim>
 LayerElements<Dim>::LayerElements(const ElasticModel<Dim>& model)
     : model_(model), stiffness_(model.element.stiffness()) {}
 
 template <int Dim>
+LayerElements<Dim>::Strains::Strains(const ElasticModel<Dim>& model, const StrainSource<Dim>& source_)
+    : source(source_), variation(source.variation()) {
+  if (variation != StrainVariation::none) return;
+  std::array<double, voigt_size<Dim>> strain;
+  const int any = 0;
+  source.set_strains({&any, 1}, {0, 1}, strain);
+  common_load = model.element.strain_load(strain);
+}
+
+template <int Dim>
 template <class Use>
-void LayerElements<Dim>::for_chunks(const BlockRegion& region, const StrainFactors<Dim>& factors,
-                                    Use&& use) const {
+void LayerElements<Dim>::for_chunks(const BlockRegion& region, Use&& use) const {
   const std::size_t elements = model_.part_position.size();
   for (std::size_t begin = 0; begin < elements; begin += chunk_size)
     for_lane_chunks(region.block.lanes, [&]<int Width>(int lane) {
-      const Chunk chunk{begin, std::min(begin + chunk_size, elements), region.block.first + lane, region,
-                        factors};
+      const Chunk chunk{begin, std::min(begin + chunk_size, elements), region.block.first + lane, region};
       use.template operator()<Width>(chunk, lane);
     });
 }
@@ -36,7 +59,7 @@ std::vector<double> LayerElements<Dim>::stiffness(const LayerDensities& densitie
   for (std::size_t e = 0; e < model_.elements.size(); ++e)
     if (model_.part_element[e] < 0)
       std::fill_n(&result[e * lanes], lanes, model_.stiffness(model_.stage_density(none, e)));
-  for_chunks(region, no_change<Dim>(), [&]<int Width>(const Chunk& chunk, int lane) {
+  for_chunks(region, [&]<int Width>(const Chunk& chunk, int lane) {
     for (int i = 0; i < Width; ++i) {
       const auto& stage = densities.stage[chunk.first_layer + i];
       for (std::size_t e = chunk.begin; e < chunk.end; ++e)
@@ -49,65 +72,93 @@ std::vector<double> LayerElements<Dim>::stiffness(const LayerDensities& densitie
 
 template <int Dim>
 void LayerElements<Dim>::set_load(const LayerDensities& densities, const BlockRegion& region,
-                                  const StrainFactors<Dim>& factors, LaneVector& load) const {
+                                  const StrainSource<Dim>& strains, LaneVector& load) const {
   static const LogEvent event("fabseq loads");
   const auto scope = event.enter();
   const Grid<Dim>& grid = model_.part.grid();
+  const Strains of_block(model_, strains);
   const int lanes = load.lanes;
   std::vector<double> room;
   std::vector<double>& values = has_all_nodes() ? load.values : room;
   values.assign(static_cast<std::size_t>(grid.ghosted_nodes().count()) * Dim * lanes, 0.0);
-  for_chunks(region, factors, [&]<int Width>(const Chunk& chunk, int lane) {
-    add_load<Width>(densities, chunk, &values[lane], lanes);
+  for_chunks(region, [&]<int Width>(const Chunk& chunk, int lane) {
+    add_load<Width>(densities, of_block, chunk, &values[lane], lanes);
   });
   if (!has_all_nodes()) grid.exchange(Dim * lanes).add_to_owned(room, load.values);
 }
 
 template <int Dim>
+template <int Width, class Use>
+void LayerElements<Dim>::for_batches(const Strains& strains, const Chunk& chunk,
+                                     std::span<const int> elements, Use&& use) {
+  constexpr std::size_t size = voigt_size<Dim> * Width;
+  const LayerBlock steps{chunk.first_layer, Width};
+  std::array<double, batch_size * size> values;
+  const bool own = strains.variation == StrainVariation::by_element;
+  for (std::size_t first = 0; first < elements.size(); first += batch_size) {
+    const auto batch = elements.subspan(first, std::min(batch_size, elements.size() - first));
+    if (own)
+      strains.source.set_strains(batch, steps, std::span(values).first(batch.size() * size));
+    else if (first == 0)
+      strains.source.set_strains(batch.first(1), steps, std::span(values).first(size));
+    use(batch, values.data(), own ? size : 0);
+  }
+}
+
+template <int Dim>
 template <int Width>
-void LayerElements<Dim>::add_load(const LayerDensities& densities, const Chunk& chunk, double* load,
-                                  int lanes) const {
+void LayerElements<Dim>::add_load(const LayerDensities& densities, const Strains& strains, const Chunk& chunk,
+                                  double* load, int lanes) const {
   std::array<double, chunk_size * Width> factors;
   for (int i = 0; i < Width; ++i) {
     const auto& layer = densities.layer[chunk.first_layer + i];
     for (std::size_t e = chunk.begin; e < chunk.end; ++e)
       factors[(e - chunk.begin) * Width + i] = counts(chunk, e) ? model_.load(layer[e]) : 0.0;
   }
-  const auto& corners = model_.part.first_corners();
-  const auto& offsets = model_.part.grid().corner_offsets();
-  // In full elements, one lane per layer: the same for all elements unless they have strains of their own.
-  const auto load_of_material = model_.material_load(chunk.factors);
-  std::array<Lanes<Width>, element_unknowns<Dim>> unit_load;
-  const auto set_unit_load = [&](std::size_t e) {
-    for (int i = 0; i < element_unknowns<Dim>; ++i)
-      unit_load[i] = Lanes<Width>::broadcast(strains_.uniform() ? load_of_material[i] : 0.0);
-    for (int c = 0; c < voigt_size<Dim> && !strains_.uniform(); ++c) {
-      const auto component = strain<Lanes<Width>>(chunk, e, c);
-      for (int i = 0; i < element_unknowns<Dim>; ++i) unit_load[i] += component * model_.unit_loads[c][i];
-    }
-  };
-  if (strains_.of_elements.empty()) set_unit_load(chunk.begin);
+  std::array<int, chunk_size> room;  // an element belongs to few layers
+  std::size_t count = 0;
   for (std::size_t e = chunk.begin; e < chunk.end; ++e) {
     const double* of_element = &factors[(e - chunk.begin) * Width];
-    // An element belongs to few layers.
-    if (std::all_of(of_element, of_element + Width, [](double factor) { return factor == 0.0; })) continue;
-    const auto factor = Lanes<Width>::load(of_element);
-    if (!strains_.of_elements.empty()) set_unit_load(e);
+    if (std::any_of(of_element, of_element + Width, [](double factor) { return factor != 0.0; }))
+      room[count++] = static_cast<int>(e);
+  }
+  const auto loaded = std::span<const int>(room).first(count);
+  const auto& corners = model_.part.first_corners();
+  const auto& offsets = model_.part.grid().corner_offsets();
+  std::array<Lanes<Width>, element_unknowns<Dim>> unit_load;  // in full elements, one lane per layer
+  const auto add = [&](int e) {
+    const auto factor = Lanes<Width>::load(&factors[(e - chunk.begin) * Width]);
     for (int corner = 0; corner < corner_count<Dim>; ++corner)
       for (int a = 0; a < Dim; ++a) {
         double* place = load + (static_cast<std::size_t>(corners[e] + offsets[corner]) * Dim + a) * lanes;
         (Lanes<Width>::load(place) + factor * unit_load[corner * Dim + a]).store(place);
       }
+  };
+  if (strains.variation == StrainVariation::none) {
+    for (int i = 0; i < element_unknowns<Dim>; ++i)
+      unit_load[i] = Lanes<Width>::broadcast(strains.common_load[i]);
+    for (const int e : loaded) add(e);
+    return;
   }
+  bool is_set = false;
+  const auto add_own = [&](std::span<const int> elements, const double* strain, std::size_t stride) {
+    for (std::size_t k = 0; k < elements.size(); ++k) {
+      if (stride != 0 || !is_set) set_unit_load<Dim, Width>(model_, strain + k * stride, unit_load);
+      is_set = true;
+      add(elements[k]);
+    }
+  };
+  for_batches<Width>(strains, chunk, loaded, add_own);
 }
 
 template <int Dim>
 void LayerElements<Dim>::add_derivatives(const LayerDensities& densities, const BlockRegion& region,
-                                         const StrainFactors<Dim>& factors, const LaneVector& increments,
+                                         const StrainSource<Dim>& strains, const LaneVector& increments,
                                          const LaneVector& adjoints, DensityDerivatives& derivatives,
-                                         StrainField& d_strains) const {
+                                         std::span<double> d_inputs) const {
   static const LogEvent event("fabseq derivatives");
   const auto scope = event.enter();
+  const Strains of_block(model_, strains);
   const int lanes = increments.lanes;
   for (int layer = region.block.first; layer < region.block.first + lanes; ++layer) {
     DensityDerivatives::touch(derivatives.stage[layer], model_.part_position.size());
@@ -116,28 +167,29 @@ void LayerElements<Dim>::add_derivatives(const LayerDensities& densities, const 
   std::vector<double> u_room, lambda_room;
   const double* u = ghosted(increments, u_room);
   const double* lambda = ghosted(adjoints, lambda_room);
-  for_chunks(region, factors, [&]<int Width>(const Chunk& chunk, int lane) {
-    add_derivatives<Width>(densities, chunk, u + lane, lambda + lane, lanes, derivatives, d_strains);
+  for_chunks(region, [&]<int Width>(const Chunk& chunk, int lane) {
+    add_derivatives<Width>(densities, of_block, chunk, u + lane, lambda + lane, lanes, derivatives, d_inputs);
   });
 }
 
 template <int Dim>
 template <int Width>
-void LayerElements<Dim>::add_derivatives(const LayerDensities& densities, const Chunk& chunk, const double* u,
-                                         const double* lambda, int lanes, DensityDerivatives& derivatives,
-                                         StrainField& d_strains) const {
+void LayerElements<Dim>::add_derivatives(const LayerDensities& densities, const Strains& strains,
+                                         const Chunk& chunk, const double* u, const double* lambda, int lanes,
+                                         DensityDerivatives& derivatives, std::span<double> d_inputs) const {
   bool any_counts = false;
   for (std::size_t e = chunk.begin; e < chunk.end && !any_counts; ++e) any_counts = counts(chunk, e);
   if (!any_counts) return;
   std::array<double, chunk_size * Width> mutual, work;
-  const ElementEnergy<Dim, Width> energies(stiffness_, model_.material_load(chunk.factors));
+  const ElementEnergy<Dim, Width> energies(stiffness_, strains.common_load);
   energies.for_each(std::span(model_.part.first_corners()).subspan(chunk.begin, chunk.end - chunk.begin),
                     model_.part.grid().corner_offsets(), u, lambda, lanes,
                     [&](std::size_t e, const auto& energy) {
                       energy.mutual.store(&mutual[e * Width]);
                       energy.work.store(&work[e * Width]);
                     });
-  if (!strains_.uniform()) add_strain_derivatives<Width>(densities, chunk, lambda, lanes, work, d_strains);
+  if (strains.variation != StrainVariation::none || !d_inputs.empty())
+    add_strain_derivatives<Width>(densities, strains, chunk, lambda, lanes, work, d_inputs);
   for (int i = 0; i < Width; ++i) {
     const int layer = chunk.first_layer + i;
     const double* stage_density = densities.stage[layer].data();
@@ -153,68 +205,57 @@ void LayerElements<Dim>::add_derivatives(const LayerDensities& densities, const 
   }
 }
 
-template <int Dim>
-template <class Result>
-Result LayerElements<Dim>::strain(const Chunk& chunk, std::size_t element, int component) const {
-  const double of_element =
-      chunk.factors[component] * (strains_.of_elements.empty()
-                                      ? model_.common_strain[component]
-                                      : strains_.of_elements[element * voigt_size<Dim> + component]);
-  if (strains_.of_layers.empty()) return Result::broadcast(of_element);
-  std::array<double, sizeof(Result) / sizeof(double)> of_layers;
-  for (std::size_t i = 0; i < of_layers.size(); ++i)
-    of_layers[i] = of_element * strains_.of_layers[(chunk.first_layer + i) * voigt_size<Dim> + component];
-  return Result::load(of_layers.data());
-}
-
-/// With strain a_c eps_c theta_jc f_c for the unit loads f_c and factors a_c: lambda^T f_0 = sum_c a_c eps_c
-/// theta_jc lambda^T f_c, dJ/d(eps_c) = -a_c sum_j theta_jc drho_j^q lambda_j^T f_c, and by the layer's
-/// factor dJ/d(theta_jc) = -a_c sum_e eps_c drho_j^q lambda_j^T f_c.
+/// With strains eps_jc and the unit loads f_c: lambda_j^T f_0 = sum_c eps_jc lambda_j^T f_c, and
+/// dJ/d(eps_jc) = -drho_j^q lambda_j^T f_c.
 template <int Dim>
 template <int Width>
-void LayerElements<Dim>::add_strain_derivatives(const LayerDensities& densities, const Chunk& chunk,
-                                                const double* lambda, int lanes, std::span<double> work,
-                                                StrainField& d_strains) const {
+void LayerElements<Dim>::add_strain_derivatives(const LayerDensities& densities, const Strains& strains,
+                                                const Chunk& chunk, const double* lambda, int lanes,
+                                                std::span<double> work, std::span<double> d_inputs) const {
   constexpr int components = voigt_size<Dim>;
   const auto& corners = model_.part.first_corners();
   const auto& offsets = model_.part.grid().corner_offsets();
+  std::array<int, chunk_size> room;  // an element belongs to few layers
+  std::array<double, chunk_size * Width> factors;
+  std::size_t count = 0;
   for (std::size_t e = chunk.begin; e < chunk.end; ++e) {
-    std::array<double, Width> factors{};
     bool has_load = false;
+    double* of_element = &factors[(e - chunk.begin) * Width];
     for (int i = 0; counts(chunk, e) && i < Width; ++i) {
       const double density = densities.layer[chunk.first_layer + i][e];
-      factors[i] = model_.load(density);
-      has_load = has_load || factors[i] != 0.0 || model_.load_derivative(density) != 0.0;
+      of_element[i] = model_.load(density);
+      has_load = has_load || of_element[i] != 0.0 || model_.load_derivative(density) != 0.0;
     }
-    double* of_element = &work[(e - chunk.begin) * Width];
-    std::fill_n(of_element, Width, 0.0);
-    if (!has_load) continue;  // an element belongs to few layers
-    std::array<Lanes<Width>, components> duals;
-    duals.fill(Lanes<Width>::zero());
-    for (int i = 0; i < element_unknowns<Dim>; ++i) {
-      const std::size_t unknown = static_cast<std::size_t>(corners[e] + offsets[i / Dim]) * Dim + i % Dim;
-      const auto value = Lanes<Width>::load(lambda + unknown * lanes);
-      for (int c = 0; c < components; ++c) duals[c] += value * model_.unit_loads[c][i];
-    }
-    auto sum = Lanes<Width>::zero();
-    for (int c = 0; c < components; ++c) {
-      sum += duals[c] * strain<Lanes<Width>>(chunk, e, c);
-      std::array<double, Width> dual{};
-      (duals[c] * chunk.factors[c]).store(dual.data());
-      for (int i = 0; i < Width; ++i) {
-        const std::size_t of_layer = static_cast<std::size_t>(chunk.first_layer + i) * components + c;
-        if (!d_strains.of_elements.empty())
-          d_strains.of_elements[e * components + c] -=
-              factors[i] * dual[i] * (strains_.of_layers.empty() ? 1.0 : strains_.of_layers[of_layer]);
-        if (!d_strains.of_layers.empty())
-          d_strains.of_layers[of_layer] -=
-              factors[i] * dual[i] *
-              (strains_.of_elements.empty() ? model_.common_strain[c]
-                                            : strains_.of_elements[e * components + c]);
-      }
-    }
-    sum.store(of_element);
+    if (has_load)
+      room[count++] = static_cast<int>(e);
+    else
+      std::fill_n(&work[(e - chunk.begin) * Width], Width, 0.0);
   }
+  const auto add = [&](std::span<const int> elements, const double* strain, std::size_t stride) {
+    std::array<double, batch_size * components * Width> d_strains;
+    for (std::size_t k = 0; k < elements.size(); ++k) {
+      const int e = elements[k];
+      std::array<Lanes<Width>, components> duals;
+      duals.fill(Lanes<Width>::zero());
+      for (int i = 0; i < element_unknowns<Dim>; ++i) {
+        const std::size_t unknown = static_cast<std::size_t>(corners[e] + offsets[i / Dim]) * Dim + i % Dim;
+        const auto value = Lanes<Width>::load(lambda + unknown * lanes);
+        for (int c = 0; c < components; ++c) duals[c] += value * model_.unit_loads[c][i];
+      }
+      const auto factor = Lanes<Width>::load(&factors[(e - chunk.begin) * Width]);
+      auto sum = Lanes<Width>::zero();
+      for (int c = 0; c < components; ++c) {
+        sum += duals[c] * Lanes<Width>::load(strain + k * stride + c * Width);
+        (Lanes<Width>::zero() - factor * duals[c]).store(&d_strains[(k * components + c) * Width]);
+      }
+      sum.store(&work[(e - chunk.begin) * Width]);
+    }
+    if (!d_inputs.empty())
+      strains.source.add_derivatives(elements, {chunk.first_layer, Width},
+                                     std::span(d_strains).first(elements.size() * components * Width),
+                                     d_inputs);
+  };
+  for_batches<Width>(strains, chunk, std::span<const int>(room).first(count), add);
 }
 
 template <int Dim>

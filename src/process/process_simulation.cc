@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/process/process_simulation.h"
 
+#include "process/case_strain.h"
+
 #include <algorithm>
 #include <iterator>
 #include <utility>
@@ -88,8 +90,9 @@ void ProcessSimulation<Dim>::expect(const std::vector<int>& work, bool adjoint) 
 }
 
 template <int Dim>
-const ProcessResult& ProcessSimulation<Dim>::simulate(const LayerDensities& densities, StrainField strains) {
-  elements_.set_strains(std::move(strains));
+const ProcessResult& ProcessSimulation<Dim>::simulate(const LayerDensities& densities,
+                                                      const StrainSource<Dim>& strains) {
+  strains_ = &strains;
   deal_ = deal_out_layers(work_of(densities), groups_.count(), lanes_, block_solver_);
   result_.blocks = deal_.blocks[groups_.index()];
   regions_.clear();
@@ -129,8 +132,8 @@ std::vector<double> ProcessSimulation<Dim>::reactions(const LayerDensities& dens
   LaneVector increments;
   for (std::size_t block = 0; block < result_.blocks.size(); ++block) {
     spread(result_.of_case(number).increments[block], result_.nodes[block], owned_nodes(), increments);
-    supports_.add_reactions(densities, elements_.strains(), cases_.cases[number], regions_[block], increments,
-                            result);
+    supports_.add_reactions(densities, CaseStrain<Dim>(*strains_, cases_.cases[number]), regions_[block],
+                            increments, result);
   }
   groups_.sum(result);
   return result;
@@ -160,7 +163,8 @@ void ProcessSimulation<Dim>::solve_block(const LayerDensities& densities, std::s
     for (std::size_t i = 0; i < count; ++i) {
       resize(room.loads[i], owned_nodes(), Dim, block.lanes);
       resize(room.solutions[i], owned_nodes(), Dim, block.lanes);
-      elements_.set_load(densities, regions_[number], cases_.cases[first + i], room.loads[i]);
+      elements_.set_load(densities, regions_[number], CaseStrain<Dim>(*strains_, cases_.cases[first + i]),
+                         room.loads[i]);
     }
     const auto reports =
         solver_->solve(std::span(room.loads).first(count), std::span(room.solutions).first(count));
@@ -201,10 +205,7 @@ void ProcessSimulation<Dim>::pull_back(const LayerDensities& densities,
       all.back().motion = in_first_group([&] { return release_->adjoint(of_release); });
   }
   for (const ProcessDerivatives& own : derivatives)
-    if (own.strains != nullptr) {
-      own.strains->of_elements.resize(elements_.strains().of_elements.size(), 0.0);
-      own.strains->of_layers.resize(elements_.strains().of_layers.size(), 0.0);
-    }
+    if (own.strains != nullptr) own.strains->resize(strains_->input_count(), 0.0);
   adjoint_loads_.update(densities, result_, functionals);
   SolveCount count(densities.count());
   groups_.run([&] {
@@ -276,14 +277,14 @@ void ProcessSimulation<Dim>::add_derivatives(const LayerDensities& densities, st
   LaneVector combined;
   if (!combination.empty()) combined = result_.combined_increments(combination, number);
   const LaneVector& increments = combination.empty() ? result_.increments[number] : combined;
-  StrainField not_asked_for;
   if (adjoint != nullptr) {
     // Functionals of the same block share its increments.
     if (room.spread_from != &increments)
       spread(increments, result_.nodes[number], owned_nodes(), room.increments);
     room.spread_from = combination.empty() ? &increments : nullptr;
-    elements_.add_derivatives(densities, regions_[number], cases_.factors(combination), room.increments,
-                              *adjoint, *to.densities, to.strains != nullptr ? *to.strains : not_asked_for);
+    elements_.add_derivatives(
+        densities, regions_[number], CaseStrain<Dim>(*strains_, cases_.factors(combination)), room.increments,
+        *adjoint, *to.densities, to.strains != nullptr ? std::span(*to.strains) : std::span<double>());
   }
   if (deposition_)
     deposition_->add_derivatives(room.missing, result_.blocks[number].first, result_.nodes[number],

@@ -2,10 +2,12 @@
 #include "fabseq/process/residual_stress.h"
 
 #include "fabseq/base/mpi.h"
+#include "process/layer_deposit.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace fabseq {
 
@@ -55,6 +57,8 @@ std::vector<double> residual_stress(const ProcessSimulation<Dim>& simulation,
   constexpr int components = voigt_size<Dim>;
   const ElasticModel<Dim>& model = simulation.model();
   std::vector<double> stress = zero_stress(model);
+  std::vector<int> all_elements(model.part.elements().size());
+  std::iota(all_elements.begin(), all_elements.end(), 0);
   for (int layer = 0; layer < densities.count(); ++layer) {
     const std::vector<double> increment = simulation.increment(layer);
     for_each_stress<Dim>(model, increment, [&](std::size_t element, const auto& elastic) {
@@ -62,12 +66,12 @@ std::vector<double> residual_stress(const ProcessSimulation<Dim>& simulation,
       double* at = &stress[static_cast<std::size_t>(model.elements[element]) * components];
       for (int c = 0; c < components; ++c) at[c] += model.material.young * stiffness * elastic[c];
     });
-    for (std::size_t e = 0; e < model.part_position.size(); ++e) {
-      const double load = model.load(densities.layer[layer][e]);
-      if (load == 0.0) continue;
-      const auto inherent = model.element.stress(model.strain_of(simulation.strains(), e, layer));
-      double* at = &stress[static_cast<std::size_t>(model.part.elements()[e]) * components];
-      for (int c = 0; c < components; ++c) at[c] -= model.material.young * load * inherent[c];
+    const LayerDeposit deposit =
+        layer_deposit(model, simulation.strains(), densities.layer[layer], layer, all_elements);
+    for (std::size_t e = 0; e < deposit.elements.size(); ++e) {
+      const auto inherent = model.element.stress(deposit.strain<Dim>(e));
+      double* at = &stress[static_cast<std::size_t>(model.part.elements()[deposit.elements[e]]) * components];
+      for (int c = 0; c < components; ++c) at[c] -= model.material.young * deposit.factors[e] * inherent[c];
     }
   }
   return stress;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/process/support_forces.h"
 
+#include "process/layer_deposit.h"
+
 #include <array>
 
 namespace fabseq {
@@ -20,31 +22,51 @@ SupportForces<Dim>::SupportForces(const ElasticModel<Dim>& model) : model_(model
 }
 
 template <int Dim>
-void SupportForces<Dim>::add_reactions(const LayerDensities& densities, const StrainField& strains,
-                                       const StrainFactors<Dim>& factors, const BlockRegion& region,
-                                       const LaneVector& increments, std::span<double> reactions) const {
+std::vector<typename SupportForces<Dim>::ElementLoad> SupportForces<Dim>::summed_loads(
+    const LayerDensities& densities, const StrainSource<Dim>& strains, const BlockRegion& region) const {
+  std::vector<ElementLoad> result(elements_.size(), ElementLoad{});
+  std::vector<int> of_part;                                     // part elements
+  std::vector<std::size_t> place(model_.part_position.size());  // of part elements in `elements_`
+  for (std::size_t k = 0; k < elements_.size(); ++k) {
+    const int element = model_.part_element[elements_[k]];
+    if (element < 0 || !region.has(elements_[k])) continue;
+    of_part.push_back(element);
+    place[element] = k;
+  }
+  for (int layer = region.block.first; layer < region.block.first + region.block.lanes; ++layer) {
+    const LayerDeposit deposit = layer_deposit<Dim>(model_, strains, densities.layer[layer], layer, of_part);
+    for (std::size_t e = 0; e < deposit.elements.size(); ++e) {
+      const auto unit_load = model_.element.strain_load(deposit.strain<Dim>(e));
+      ElementLoad& load = result[place[deposit.elements[e]]];
+      for (std::size_t i = 0; i < load.size(); ++i) load[i] += deposit.factors[e] * unit_load[i];
+    }
+  }
+  return result;
+}
+
+template <int Dim>
+void SupportForces<Dim>::add_reactions(const LayerDensities& densities, const StrainSource<Dim>& strains,
+                                       const BlockRegion& region, const LaneVector& increments,
+                                       std::span<double> reactions) const {
   constexpr int unknowns = element_unknowns<Dim>;
   const Grid<Dim>& grid = model_.part.grid();
   const auto nodes = static_cast<std::size_t>(grid.ghosted_nodes().count());
   const int first = region.block.first, lanes = increments.lanes;
   std::vector<double> u(nodes * Dim * lanes), forces(nodes * Dim, 0.0), owned(reactions.size());
   grid.exchange(Dim * lanes).to_ghosted(increments.values, u);
-  for (const int e : elements_) {
+  const std::vector<ElementLoad> loads = summed_loads(densities, strains, region);
+  for (std::size_t k = 0; k < elements_.size(); ++k) {
+    const int e = elements_[k];
     if (!region.has(e)) continue;
     // One product for all layers: they share the element's matrix.
-    std::array<double, unknowns> stretched{}, load{};
-    const int part_element = model_.part_element[e];
+    std::array<double, unknowns> stretched{};
     for (int lane = 0; lane < lanes; ++lane) {
       const double factor = model_.stiffness(model_.stage_density(densities.stage[first + lane], e));
       for (int i = 0; i < unknowns; ++i)
         stretched[i] += factor * u[(node(e, i) * Dim + i % Dim) * lanes + lane];
-      const double density = part_element >= 0 ? densities.layer[first + lane][part_element] : 0.0;
-      if (!(density > 0.0)) continue;
-      const auto unit_load = model_.unit_load(strains, factors, part_element, first + lane);
-      for (int i = 0; i < unknowns; ++i) load[i] += model_.load(density) * unit_load[i];
     }
     for (int i = 0; i < unknowns; ++i) {
-      double force = -load[i];
+      double force = -loads[k][i];
       for (int j = 0; j < unknowns; ++j) force += model_.element.stiffness()[i * unknowns + j] * stretched[j];
       forces[node(e, i) * Dim + i % Dim] += force;
     }

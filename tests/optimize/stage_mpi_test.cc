@@ -7,13 +7,51 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace fabseq {
 namespace {
 
 constexpr double slope = 0.7;
+
+/// The strains of another source, each step's times a factor. The inputs are those of the source, then the
+/// factors.
+template <int Dim>
+class FactorStrain : public StrainSource<Dim> {
+ public:
+  FactorStrain(const StrainSource<Dim>& source, std::vector<double> factors)
+      : source_(source), factors_(std::move(factors)) {}
+
+  StrainVariation variation() const override {
+    return std::max(source_.variation(), StrainVariation::by_step);
+  }
+  void set_strains(std::span<const int> elements, const LayerBlock& steps,
+                   std::span<double> strains) const override {
+    source_.set_strains(elements, steps, strains);
+    for (std::size_t i = 0; i < strains.size(); ++i) strains[i] *= factors_[steps.first + i % steps.lanes];
+  }
+  std::size_t input_count() const override { return source_.input_count() + factors_.size(); }
+  void add_derivatives(std::span<const int> elements, const LayerBlock& steps,
+                       std::span<const double> d_strains, std::span<double> d_inputs) const override {
+    const std::size_t of_source = source_.input_count();
+    std::vector<double> values(d_strains.size()), scaled(d_strains.begin(), d_strains.end());
+    source_.set_strains(elements, steps, values);
+    for (std::size_t i = 0; i < scaled.size(); ++i) {
+      const std::size_t step = steps.first + i % steps.lanes;
+      d_inputs[of_source + step] += d_strains[i] * values[i];
+      scaled[i] *= factors_[step];
+    }
+    source_.add_derivatives(elements, steps, scaled, d_inputs.first(of_source));
+  }
+
+ private:
+  const StrainSource<Dim>& source_;
+  std::vector<double> factors_;
+};
 
 /// Scales the inherent strain of layer j by 1 + slope V_j, where V_j is the sum of its densities over their
 /// number, as a temperature would that follows from the size of a layer.
@@ -25,42 +63,37 @@ class FactorStage : public Stage<Dim> {
 
   void forward(const StageInput& /*input*/, StageResults<Dim>& results) override {
     const LayerDensities& layers = *results.layers;
-    StrainField& strains = results.strains;
-    if (strains.of_layers.empty()) strains.of_layers.assign(layers.count() * components, 1.0);
-    unscaled_ = strains.of_layers;
-    for (int j = 0; j < layers.count(); ++j)
-      for (std::size_t c = 0; c < components; ++c)
-        strains.of_layers[j * components + c] *= 1.0 + slope * volume(layers.layer[j]);
+    std::vector<double> factors;
+    for (const std::vector<double>& density : layers.layer) factors.push_back(1.0 + slope * volume(density));
+    scaled_.emplace(*results.strains, std::move(factors));
+    results.strains = &*scaled_;
   }
 
   void pull_back(const PipelineState<Dim>& state, const SolveTolerance& /*tolerance*/,
                  AdjointRowSpan<Dim> rows) override {
     for (AdjointRow<Dim>* row : rows) {
-      std::vector<double>& d_strain = row->adjoint.strains.of_layers;
-      if (d_strain.empty()) continue;
+      std::vector<double>& d_inputs = row->adjoint.strains;
+      if (d_inputs.empty()) continue;
+      const auto first = d_inputs.end() - state.layers.count();
       for (int j = 0; j < state.layers.count(); ++j) {
-        const std::vector<double>& density = state.layers.layer[j];
-        const auto at = d_strain.begin() + static_cast<std::ptrdiff_t>(j * components);
-        const double d_factor =
-            std::inner_product(at, at + components, unscaled_.begin() + (at - d_strain.begin()), 0.0);
-        const double d_volume = slope * sum(comm_, d_factor) / elements_;
-        for (double& derivative : DensityDerivatives::touch(row->adjoint.densities.layer[j], density.size()))
-          derivative += d_volume;
-        for (std::size_t c = 0; c < components; ++c) at[c] *= 1.0 + slope * volume(density);
+        const double d_volume = slope * sum(comm_, first[j]) / elements_;
+        auto& d_layer =
+            DensityDerivatives::touch(row->adjoint.densities.layer[j], state.layers.layer[j].size());
+        for (double& derivative : d_layer) derivative += d_volume;
       }
+      d_inputs.erase(first, d_inputs.end());
     }
   }
   Phase phase() const override { return Phase::layers; }
 
  private:
-  static constexpr std::size_t components = voigt_size<Dim>;
   double volume(const std::vector<double>& density) const {
     return sum(comm_, std::accumulate(density.begin(), density.end(), 0.0)) / elements_;
   }
 
   MPI_Comm comm_;
   double elements_;
-  std::vector<double> unscaled_;
+  std::optional<FactorStrain<Dim>> scaled_;
 };
 
 StageCost no_cost(const RunSize&, SolverPath, int, int) { return {.seconds = 1e9}; }

@@ -103,7 +103,7 @@ TYPED_TEST(BuiltRegionTest, IncrementsAgreeWithDenseMatrices) {
                                process.model.material.poisson, 1e-11, widest_block),
         process.groups, BlockSolver::lanes);
     simulation.leave_out_unbuilt(true);
-    simulation.simulate(layers);
+    simulation.simulate(layers, process.strain);
     // Increments are kept on the nodes of the region: the first block's are fewer.
     const auto count = [&](const auto& nodes) {
       return sum(grid.comm(), static_cast<std::int64_t>(nodes.size()));

@@ -23,7 +23,7 @@ struct Simulated {
   Simulated(test::CaseSettings<Dim> settings, DepositionModel model)
       : process((settings.process.deposition = model, settings)),
         densities(process.densities(process.wavy_time(), layers, 25.0)) {
-    (void)process.simulation.simulate(densities);
+    (void)process.simulate(densities);
   }
   ProcessResult& result() { return process.simulation.result(); }
   /// On all nodes.

@@ -86,7 +86,7 @@ TYPED_TEST(DepositionTest, TheDisplacementIsTheSumOfWhatCounts) {
     const auto weights = expected_weights(process, layers, j);
     for (std::size_t i = 0; i < expected.size(); ++i) expected[i] += weights[i / Dim] * increments[j][i];
   }
-  const ProcessResult& result = process.simulation.simulate(layers);
+  const ProcessResult& result = process.simulate(layers);
   EXPECT_LT(test::relative_difference(process.whole(result.displacement), expected), 1e-7);
   std::vector<double> counted(result.displacement.size(), 0.0);
   for (int j = 0; j < 10; ++j) {
@@ -111,7 +111,7 @@ TYPED_TEST(DepositionTest, FreeColumn) {
     test::ProcessCase<Dim> process(settings);
     const int layers = process.grid().domain().elements[up];
     const auto& displacement =
-        process.simulation.simulate(process.densities(process.planar_time(), layers, 1.0, true)).displacement;
+        process.simulate(process.densities(process.planar_time(), layers, 1.0, true)).displacement;
     process.grid().owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t number) {
       const int below = node[up], counted = model == DepositionModel::follow ? below : std::min(below, 1);
       const double expected = strain * counted * process.grid().spacing()[up];

@@ -3,6 +3,7 @@
 /// (formulation 4.1, 8).
 #include "fabseq/process/process_simulation.h"
 #include "support/process_case.h"
+#include "support/table_strain.h"
 
 #include <gtest/gtest.h>
 
@@ -23,7 +24,7 @@ TYPED_TEST(ProcessSimulationTest, AgreesWithDenseMatrices) {
     // More layers than are solved side by side.
     const LayerDensities layers = process.densities(process.wavy_time(), 10, 25.0);
     const auto expected = process.dense_increments(layers);
-    const ProcessResult& result = process.simulation.simulate(layers);
+    const ProcessResult& result = process.simulate(layers);
     ASSERT_EQ(result.iterations.size(), 10u);
     std::vector<double> total(expected[0].size(), 0.0);
     for (int j = 0; j < 10; ++j) {
@@ -33,6 +34,12 @@ TYPED_TEST(ProcessSimulationTest, AgreesWithDenseMatrices) {
     }
     EXPECT_LT(test::relative_difference(process.whole(result.displacement), total), 1e-7);
   }
+}
+
+/// Factors of the layers that leave strains as they are.
+template <int Dim>
+std::vector<double> ones(int layers) {
+  return std::vector<double>(static_cast<std::size_t>(layers) * voigt_size<Dim>, 1.0);
 }
 
 /// Every element with a strain of its own, and with a substrate on clamps.
@@ -50,7 +57,8 @@ TYPED_TEST(ProcessSimulationTest, StrainsOfTheElementsAgreeWithDenseMatrices) {
       expected.resize(increment.size(), 0.0);
       for (std::size_t i = 0; i < increment.size(); ++i) expected[i] += increment[i];
     }
-    const auto actual = process.whole(process.simulation.simulate(layers, {strains, {}}).displacement);
+    const auto table = test::product_strain<Dim>(strains, ones<Dim>(3));
+    const auto actual = process.whole(process.simulate(layers, table).displacement);
     EXPECT_GT(test::largest(actual), 1e-4);
     EXPECT_LT(test::relative_difference(actual, expected), 1e-7);
   }
@@ -64,13 +72,15 @@ TYPED_TEST(ProcessSimulationTest, FactorsOfTheLayersAgreeWithDenseMatrices) {
   for (const auto& settings : cases) {
     test::ProcessCase<Dim> process(settings);
     const LayerDensities layers = process.densities(process.wavy_time(), 11, 40.0);
-    StrainField strains{test::noisy_strains(process.part()), {}};
-    for (int i = 0; i < 11 * voigt_size<Dim>; ++i) strains.of_layers.push_back(2.0 * test::noise(i) - 1.0);
-    process.simulation.simulate(layers, strains);
+    const std::vector<double> strains = test::noisy_strains(process.part());
+    std::vector<double> factors;
+    for (int i = 0; i < 11 * voigt_size<Dim>; ++i) factors.push_back(2.0 * test::noise(i) - 1.0);
+    const auto table = test::product_strain<Dim>(strains, factors);
+    process.simulate(layers, table);
     for (int j = 0; j < 11; ++j) {
-      std::vector<double> of_elements = test::whole_strains(process.part(), strains.of_elements);
+      std::vector<double> of_elements = test::whole_strains(process.part(), strains);
       for (std::size_t i = 0; i < of_elements.size(); ++i)
-        of_elements[i] *= strains.of_layers[j * voigt_size<Dim> + i % voigt_size<Dim>];
+        of_elements[i] *= factors[j * voigt_size<Dim> + i % voigt_size<Dim>];
       const auto system = process.dense_system(layers, j);
       const auto expected = system.solve(process.dense_load(layers, j, system, of_elements));
       EXPECT_LT(test::relative_difference(process.whole(process.simulation.increment(j)), expected), 1e-7)
@@ -96,7 +106,7 @@ TYPED_TEST(ProcessSimulationTest, NormalStrainOfPlanarLayersAddsUpExactly) {
         settings.material.inherent_strain[plate.axis] = strain;
         test::ProcessCase<Dim> process(settings);
         const LayerDensities layers = process.densities(process.planar_time(), count, 10.0, true);
-        const auto u = process.simulation.simulate(layers).displacement;
+        const auto u = process.simulate(layers).displacement;
         const double scale = std::abs(strain) * process.grid().domain().size[plate.axis];
         process.grid().owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t offset) {
           const bool there = process.part().touched_nodes()[offset] != 0;
@@ -114,7 +124,7 @@ TYPED_TEST(ProcessSimulationTest, AnEmptyLayerAddsNothing) {
   test::ProcessCase<Dim> process(test::CaseSettings<Dim>{});
   auto time = process.planar_time();
   for (double& t : time) t = t < 0.5 ? 0.1 : 0.9;
-  const ProcessResult& result = process.simulation.simulate(process.densities(time, 3, 10.0, true));
+  const ProcessResult& result = process.simulate(process.densities(time, 3, 10.0, true));
   EXPECT_EQ(test::largest(process.simulation.increment(1)), 0.0);
   EXPECT_EQ(result.iterations[1], 0);
   EXPECT_GT(max(PETSC_COMM_WORLD, test::largest(process.simulation.increment(2))), 1e-4);
@@ -127,8 +137,8 @@ TYPED_TEST(ProcessSimulationTest, DoesNotDependOnYoungsModulus) {
   settings.material.young = 210e3;
   test::ProcessCase<Dim> steel(settings);
   const LayerDensities layers = unit.densities(unit.wavy_time(), 3, 12.0);
-  const auto expected = unit.whole(unit.simulation.simulate(layers).displacement);
-  const auto actual = steel.whole(steel.simulation.simulate(layers).displacement);
+  const auto expected = unit.whole(unit.simulate(layers).displacement);
+  const auto actual = steel.whole(steel.simulate(layers).displacement);
   EXPECT_LT(test::relative_difference(actual, expected), 1e-11);
 }
 
@@ -141,7 +151,7 @@ TYPED_TEST(ProcessSimulationTest, IsLinearInTheStrain) {
           isotropic * test::isotropic_strain<Dim>(-0.01)[c] + other * test::some_strain<Dim>()[c];
     test::ProcessCase<Dim> process(settings);
     const LayerDensities layers = process.densities(process.wavy_time(), 3, 12.0);
-    return process.whole(process.simulation.simulate(layers).displacement);
+    return process.whole(process.simulate(layers).displacement);
   };
   const auto a = displacement(1.0, 0.0), b = displacement(0.0, 1.0);
   std::vector<double> expected(a.size());
@@ -191,7 +201,7 @@ void expect_exact_adjoint(const test::CaseSettings<Dim>& settings, int count) {
   const LayerDensities layers = process.densities(process.wavy_time(), count, 8.0);
   const LayerDensities direction = test::direction_of(process.part(), layers);
   const Functionals<Dim> functionals(process.grid());
-  const auto rows = functionals.derivatives(process.simulation.simulate(layers));
+  const auto rows = functionals.derivatives(process.simulate(layers));
   std::array<DensityDerivatives, 3> derivatives = {DensityDerivatives(count), DensityDerivatives(count),
                                                    DensityDerivatives(count)};
   const std::array<ProcessDerivatives, 3> pointers = {ProcessDerivatives{&derivatives[0]},
@@ -201,7 +211,7 @@ void expect_exact_adjoint(const test::CaseSettings<Dim>& settings, int count) {
   EXPECT_EQ(process.simulation.adjoint_iterations().size(), static_cast<std::size_t>(count));
   for (const bool stage : {true, false}) {
     const auto values = [&](double step) {
-      return functionals.values(process.simulation.simulate(test::moved(layers, step, direction, stage)));
+      return functionals.values(process.simulate(test::moved(layers, step, direction, stage)));
     };
     const auto expected = test::central_differences(values, 1e-3);
     for (int row = 0; row < 3; ++row) {

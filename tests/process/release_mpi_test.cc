@@ -5,6 +5,7 @@
 #include "fabseq/process/release.h"
 #include "support/layered_case.h"
 #include "support/process_case.h"
+#include "support/table_strain.h"
 
 #include <gtest/gtest.h>
 
@@ -54,16 +55,18 @@ void expect_exact_adjoint(const test::CaseSettings<Dim>& settings) {
   process.simulation.release_with({test::exact_solver});
   const LayerDensities layers = process.densities(process.wavy_time(), layers_count, 8.0);
   const LayerDensities direction = test::direction_of(process.part(), layers);
-  StrainField strains{test::noisy_strains(process.part()), {}};
-  StrainField strain_direction{test::noisy_strains(process.part(), 30), {}};
+  std::vector<double> factors, factor_direction;
   for (int i = 0; i < layers_count * voigt_size<Dim>; ++i) {
-    strains.of_layers.push_back(0.5 + test::noise(i, 3));
-    strain_direction.of_layers.push_back(test::noise(i, 4) - 0.5);
+    factors.push_back(0.5 + test::noise(i, 3));
+    factor_direction.push_back(test::noise(i, 4) - 0.5);
   }
+  const auto strains = test::product_strain<Dim>(test::noisy_strains(process.part()), factors);
+  const auto strain_direction =
+      test::product_strain<Dim>(test::noisy_strains(process.part(), 30), factor_direction);
   const Functional<Dim> functional(process.grid());
-  const ProcessAdjoint row = functional.derivative(process.simulation.simulate(layers, strains));
+  const ProcessAdjoint row = functional.derivative(process.simulate(layers, strains));
   DensityDerivatives densities(layers_count);
-  StrainField d_strains;
+  std::vector<double> d_strains;
   const ProcessDerivatives derivatives{&densities, &d_strains};
   process.simulation.pull_back(layers, {&row, 1}, {&derivatives, 1});
 
@@ -74,25 +77,19 @@ void expect_exact_adjoint(const test::CaseSettings<Dim>& settings) {
                        : test::dot(densities.layer[j], direction.layer[j]);
     const double expected = test::central_difference(
         [&](double step) {
-          return functional.value(
-              process.simulation.simulate(test::moved(layers, step, direction, stage), strains));
+          return functional.value(process.simulate(test::moved(layers, step, direction, stage), strains));
         },
         1e-3);
     EXPECT_NEAR(adjoint, expected, 1e-6 * std::abs(expected)) << (stage ? "stage" : "layer");
   }
-  for (const bool of_elements : {true, false}) {
-    std::vector<double> StrainField::*part =
-        of_elements ? &StrainField::of_elements : &StrainField::of_layers;
-    const double expected = test::central_difference(
-        [&](double step) {
-          StrainField moved = strains;
-          moved.*part = test::moved(strains.*part, step, strain_direction.*part);
-          return functional.value(process.simulation.simulate(layers, moved));
-        },
-        1e-2);
-    EXPECT_NEAR(test::dot(d_strains.*part, strain_direction.*part), expected, 1e-6 * std::abs(expected))
-        << (of_elements ? "strain" : "factor");
-  }
+  const double expected = test::central_difference(
+      [&](double step) {
+        auto moved = strains;
+        moved.values = test::moved(strains.values, step, strain_direction.values);
+        return functional.value(process.simulate(layers, moved));
+      },
+      1e-2);
+  EXPECT_NEAR(test::dot(d_strains, strain_direction.values), expected, 1e-6 * std::abs(expected));
 }
 
 template <class T>
@@ -109,7 +106,7 @@ TYPED_TEST(ReleaseTest, BalancesTheReactionsOfClamps) {
   for (const auto& settings : test::clamped_cases<Dim>()) {
     test::ProcessCase<Dim> process(settings);
     const LayerDensities layers = process.densities(process.wavy_time(), 3, 12.0);
-    (void)process.simulation.simulate(layers);
+    (void)process.simulate(layers);
     const std::vector<double> reactions = process.simulation.reactions(layers);
     process.grid().owned_nodes().for_each([&](const Index<Dim>& node, std::int64_t offset) {
       for (int a = 0; a < Dim; ++a) EXPECT_TRUE(process.is_held(node) || reactions[offset * Dim + a] == 0.0);

@@ -47,13 +47,13 @@ TYPED_TEST(ScenariosTest, AgreeWithSimulationsOfTheirOwn) {
     test::ProcessCase<Dim> process(settings);
     process.simulation.release_with({test::exact_solver});
     const LayerDensities layers = process.densities(process.wavy_time(), 5, 12.0);
-    const ProcessResult& result = process.simulation.simulate(layers);
+    const ProcessResult& result = process.simulate(layers);
     ASSERT_EQ(result.scenarios.size(), 4u);
     for (std::size_t s = 0; s < result.scenarios.size(); ++s) {
       settings.material = scaled<Dim>(settings.material, some_scenarios<Dim>()[s]);
       test::ProcessCase<Dim> alone(settings);
       alone.simulation.release_with({test::exact_solver});
-      const ProcessResult& expected = alone.simulation.simulate(layers);
+      const ProcessResult& expected = alone.simulate(layers);
       const ProcessResult combined = result.combined(result.scenarios[s], true);
       EXPECT_LT(test::relative_difference(combined.displacement, expected.displacement), 1e-8);
       EXPECT_LT(test::relative_difference(combined.release, expected.release), 1e-7);
@@ -119,7 +119,7 @@ void expect_exact_adjoint(DepositionModel deposition, bool by_cases) {
   const LayerDensities layers = process.densities(process.wavy_time(), count, 8.0);
   const LayerDensities direction = test::direction_of(process.part(), layers);
   const SumOverScenarios<Dim> functional(process.grid());
-  const ProcessResult& result = process.simulation.simulate(layers);
+  const ProcessResult& result = process.simulate(layers);
   auto functionals = functional.derivatives(result);
   const std::size_t cases = result.other_cases.size() + 1;
   if (by_cases) functionals = reduced(std::move(functionals), cases);
@@ -131,7 +131,7 @@ void expect_exact_adjoint(DepositionModel deposition, bool by_cases) {
   for (const bool stage : {true, false}) {
     const double expected = test::central_difference(
         [&](double step) {
-          return functional.value(process.simulation.simulate(test::moved(layers, step, direction, stage)));
+          return functional.value(process.simulate(test::moved(layers, step, direction, stage)));
         },
         1e-3);
     double adjoint = 0.0;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "fabseq/layers/curved_layers.h"
+#include "fabseq/process/inherent_strain.h"
 #include "fabseq/process/process_simulation.h"
 #include "fabseq/solve/reference/reference_elasticity.h"
 #include "support/brute_force.h"
@@ -78,6 +79,10 @@ struct ProcessCase {
     LayerDensities result;
     CurvedLayers(part().part_density(), uniform_time_points(count), beta, binary).set_densities(time, result);
     return result;
+  }
+  const ProcessResult& simulate(const LayerDensities& layers) { return simulation.simulate(layers, strain); }
+  const ProcessResult& simulate(const LayerDensities& layers, const StrainSource<Dim>& strains) {
+    return simulation.simulate(layers, strains);
   }
   std::vector<double> whole(std::span<const double> node_values) const {
     return whole_node_field<Dim>(grid(), node_values, Dim);
@@ -154,6 +159,7 @@ struct ProcessCase {
   PartOnGrid<Dim> on_grid;
   Supports<Dim> supports;
   ElasticModel<Dim> model;
+  InherentStrain<Dim> strain{settings.material, 1.0};
   LayerGroups groups{PETSC_COMM_WORLD, 1};
   ProcessSimulation<Dim> simulation;
 };

@@ -37,7 +37,7 @@ struct StageResults {
   const Layers* cut = nullptr;  ///< the layers that `layers` are the densities of
   const LayerDensities* layers = nullptr;
   const LayerTemperatures* temperatures = nullptr;  ///< null without a block `thermal`
-  StrainField strains;
+  const StrainSource<Dim>* strains = nullptr;
   const ProcessResult* process = nullptr;
 };
 

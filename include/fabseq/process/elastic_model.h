@@ -6,7 +6,6 @@
 #include "fabseq/part/part.h"
 #include "fabseq/part/supports.h"
 #include "fabseq/process/process_settings.h"
-#include "fabseq/process/strain_cases.h"
 
 #include <algorithm>
 #include <array>
@@ -15,15 +14,6 @@
 #include <vector>
 
 namespace fabseq {
-
-/// Inherent strains of a whole process, Voigt, engineering shear: products of a part element's strain and a
-/// layer's factor, component by component; or the derivatives by both.
-struct StrainField {
-  std::vector<double> of_elements;  ///< [part element][Voigt]; empty: ElasticModel::common_strain for all
-  std::vector<double> of_layers;    ///< [layer][Voigt]; empty: 1 for all
-
-  bool uniform() const { return of_elements.empty() && of_layers.empty(); }
-};
 
 /// What the elastic solves of a part have in common (docs/formulation.md 4.1, 4.4). The elements of the model
 /// are those of part and substrate, or all of the box where the void is quiet. Works with unit Young's
@@ -42,11 +32,7 @@ struct ElasticModel {
   ProcessSettings settings;
   ElementMatrices<Dim> element;
   std::array<ElementLoad, voigt_size<Dim>> unit_loads;  ///< of each strain component alone in a full element
-  ElementLoad strain_load{};  ///< of the inherent strain in a full element; 0 where it turns with the layers
-  /// Strain of elements without one of their own: the material's, or 1 where it turns with the layers, which
-  /// then have the strain as their factor.
-  std::array<double, voigt_size<Dim>> common_strain{};
-  SystemDomain domain;        ///< elements of the model; supports fixed
+  SystemDomain domain;                                  ///< elements of the model; supports fixed
   std::vector<int> nodes;     ///< those of the model's elements: offsets in Grid::owned_nodes(), ascending
   std::vector<int> elements;  ///< of the model, in the order of the domain: offsets in Grid::owned_elements()
   std::vector<int> part_position;  ///< index in domain.first_corners of each part element
@@ -64,17 +50,6 @@ struct ElasticModel {
   std::vector<double> on_all_nodes(std::span<const double> values) const;
   /// Stiffness factor of every element of the model once the part is finished.
   std::vector<double> finished_stiffness() const;
-  /// The inherent strain of a part element, by its number, in a layer, Voigt.
-  std::array<double, voigt_size<Dim>> strain_of(const StrainField& strains, std::size_t number,
-                                                int layer) const;
-  /// The inherent strain of every part element in the layer that builds it, by the numbers of these layers
-  /// (Layers::layer_index()), [part element][Voigt]; empty where it is the material's everywhere.
-  std::vector<double> strain_when_built(const StrainField& strains, std::span<const double> layer) const;
-  /// Load of the inherent strain, with factors, of a part element, by its number, in a layer, both full.
-  ElementLoad unit_load(const StrainField& strains, const StrainFactors<Dim>& factors, std::size_t number,
-                        int layer) const;
-  /// The same for the material's strain; 0 where it turns with the layers.
-  ElementLoad material_load(const StrainFactors<Dim>& factors) const;
 
   /// Stiffness factor of an element with this stage density.
   double stiffness(double stage_density) const {
@@ -97,8 +72,6 @@ struct ElasticModel {
  private:
   static constexpr int in_void = -1, in_substrate = -2;
 
-  /// Load of a strain, Voigt, with factors, in a full element.
-  ElementLoad load_of(std::span<const double> strain, const StrainFactors<Dim>& factors) const;
   /// max(base, 0)^exponent. The usual exponents are worth a branch: this is called for each element and
   /// layer.
   static double power(double base, double exponent) {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "fabseq/fem/element_matrices.h"
 #include "fabseq/layers/layers.h"
-#include "fabseq/process/elastic_model.h"
 #include "fabseq/process/process_settings.h"
-#include "fabseq/sequence/sequence.h"
+#include "fabseq/process/strain_source.h"
+#include "fabseq/process/turned_strain.h"
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -15,47 +15,57 @@ namespace fabseq {
 /// Returns the largest magnitude of a material's inherent strain; where it turns, without strain_scale.
 double largest_strain(const MaterialSettings& material);
 
-/// The inherent strain of each part element (docs/formulation.md 4.2, 4.5): either the same in all, or one
-/// that turns with the layers:
+/// The material's inherent strain (docs/formulation.md 4.2, 4.5): the same in all elements, or turned with
+/// the layers, times the share that each layer gets of it (14.2). Layers turn it by the print direction of
+/// their sub-part, or, where there are no sub-parts, elements by the gradient of the pseudo-time at their
+/// centres.
 ///
-///     eps* = tangential (I - n n^T) + normal n n^T,
-///
-/// scaled axis by axis, shear by the root of the product of its two. n is the print direction of the layer's
-/// sub-part, or, where there are no sub-parts, g / sqrt(|g|^2 + eps^2) of the gradient g of the pseudo-time
-/// at the element's centre. Strains are Voigt, engineering shear. Local to the rank.
+/// Its inputs are the values before the shares, [part element][Voigt] or [layer][Voigt], if they turn, and
+/// the shares, [layer], if there are any.
 template <int Dim>
-class InherentStrain {
+class InherentStrain : public StrainSource<Dim> {
  public:
-  /// `characteristic_length`: l_c of the regularization eps^2 = 1e-9 / l_c^2.
+  /// `characteristic_length`: l_c of the regularization eps^2 = 1e-9 / l_c^2 of gradients.
   InherentStrain(const MaterialSettings& material, double characteristic_length);
 
-  bool turns() const { return turns_; }
-  /// Strains of the layers or of the elements, by the gradients of the pseudo-time, [part element][axis];
-  /// empty if they are all the same, the material's.
-  StrainField strains(std::span<const double> gradient, const LayerDensities& layers) const;
-  /// Adds what derivatives by these strains amount to: to `d_gradient`, [part element][axis], or, with
-  /// sub-parts, to `d_densities`. For strains that turn.
-  void pull_back(std::span<const double> gradient, const LayerDensities& layers, const StrainField& d_strain,
-                 std::vector<double>& d_gradient, DensityDerivatives& d_densities) const;
+  /// Takes a design: gradients of the pseudo-time, [part element][axis], and shares of the layers; empty: 1.
+  void set(std::span<const double> gradient, const LayerDensities& layers, std::span<const double> share);
+
+  StrainVariation variation() const override;
+  void set_strains(std::span<const int> elements, const LayerBlock& steps,
+                   std::span<double> strains) const override;
+  std::size_t input_count() const override { return value_count() + share_.size(); }
+  void add_derivatives(std::span<const int> elements, const LayerBlock& steps,
+                       std::span<const double> d_strains, std::span<double> d_inputs) const override;
+
+  bool turns() const { return turned_.has_value(); }
+  /// Takes derivatives by the inputs on, for strains that turn: to `d_gradient`, laid out as the gradients of
+  /// set(), or, with sub-parts, to `d_densities`.
+  void pull_back(std::span<const double> gradient, const LayerDensities& layers,
+                 std::span<const double> d_inputs, std::vector<double>& d_gradient,
+                 DensityDerivatives& d_densities) const;
+  /// Those of the inputs that are the shares.
+  std::span<const double> of_shares(std::span<const double> d_inputs) const {
+    return d_inputs.subspan(value_count());
+  }
 
  private:
-  /// The strain of a single direction g, with regularization eps^2.
-  void set_strain(const double* g, double regularization, double* strain) const;
-  void add_derivative(const double* g, double regularization, const double* d_strain, double* d_g) const;
+  /// What has a value of its own.
+  enum class Values { one_for_all, of_elements, of_layers };
 
-  bool turns_;
-  double tangential_ = 0.0, difference_ = 0.0;  ///< normal - tangential
-  double regularization_;                       ///< eps^2
-  std::vector<double> scale_;                   ///< of each Voigt component
+  std::size_t value_count() const { return kind_ == Values::one_for_all ? 0 : values_.size(); }
+  /// Where the value of an element in a layer is.
+  std::size_t place(int element, int layer) const {
+    const int number = kind_ == Values::one_for_all ? 0 : kind_ == Values::of_elements ? element : layer;
+    return static_cast<std::size_t>(number) * voigt_size<Dim>;
+  }
+  double share(int layer) const { return share_.empty() ? 1.0 : share_[layer]; }
+
+  std::optional<TurnedStrain<Dim>> turned_;
+  double regularization_;  ///< eps^2
+  Values kind_ = Values::one_for_all;
+  std::vector<double> values_;  ///< by `kind_`, [Voigt] innermost
+  std::vector<double> share_;   ///< [layer]; empty: 1
 };
-
-/// Multiplies the strains of each layer by its factor (docs/formulation.md 14.2). Local.
-template <int Dim>
-void scale_layers(std::span<const double> factors, StrainField& strains);
-/// The derivative by these factors, this rank's part, for `d_strains` by the product. Takes `d_strains` on to
-/// the derivatives by the strains before, `full`. Local.
-template <int Dim>
-std::vector<double> pull_back_layer_scale(const StrainField& full, std::span<const double> factors,
-                                          StrainField& d_strains);
 
 }  // namespace fabseq

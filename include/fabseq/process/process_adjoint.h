@@ -5,7 +5,6 @@
 
 #include "fabseq/kernels/lane_vector.h"
 #include "fabseq/layers/density_sink.h"
-#include "fabseq/process/elastic_model.h"
 #include "fabseq/process/process_result.h"
 
 #include <cstddef>
@@ -37,8 +36,9 @@ LaneVector weight_derivatives(const ProcessAdjoint& functional, const ProcessRes
 /// Where the derivatives of a functional by densities and strains go.
 struct ProcessDerivatives {
   DensityDerivatives* densities = nullptr;
-  StrainField* strains = nullptr;  ///< like the simulation's, sized at first use; nullptr: not asked for
-  DensitySink* sink = nullptr;     ///< takes `densities` after each block of layers; nullptr: they stay there
+  std::vector<double>* strains = nullptr;  ///< by the inputs of the simulation's StrainSource, sized at first
+                                           ///< use; nullptr: not asked for
+  DensitySink* sink = nullptr;  ///< takes `densities` after each block of layers; nullptr: they stay there
 };
 
 }  // namespace fabseq

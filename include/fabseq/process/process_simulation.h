@@ -10,6 +10,8 @@
 #include "fabseq/process/process_result.h"
 #include "fabseq/process/release.h"
 #include "fabseq/process/solve_count.h"
+#include "fabseq/process/strain_cases.h"
+#include "fabseq/process/strain_source.h"
 #include "fabseq/process/support_forces.h"
 #include "fabseq/solve/elasticity_solver.h"
 
@@ -55,11 +57,11 @@ class ProcessSimulation {
   /// must leave out elements without stiffness then.
   void leave_out_unbuilt(bool built);
   /// Simulates all layers; the result stays valid until the next call. Throws NumericalError naming
-  /// the layer if one does not converge.
-  const ProcessResult& simulate(const LayerDensities& densities, StrainField strains = {});
+  /// the layer if one does not converge. `strains` must stay as it is while the result is used.
+  const ProcessResult& simulate(const LayerDensities& densities, const StrainSource<Dim>& strains);
   /// Adds the derivatives of several functionals at the last simulated densities and strains, with respect to
-  /// the densities of this group's layers and to the strains, as far as they enter its layers. Functionals
-  /// solved together share the systems.
+  /// the densities of this group's layers and to the inputs of the strains, as far as they enter its layers.
+  /// Functionals solved together share the systems.
   void pull_back(const LayerDensities& densities, std::span<const ProcessAdjoint> functionals,
                  std::span<const ProcessDerivatives> derivatives);
   /// Forces of the supports on the last simulation's part, sum_j (K_j du_j - f_j), [owned node][component], 0
@@ -71,7 +73,7 @@ class ProcessSimulation {
   /// That of the last simulation, for CountedAs.
   ProcessResult& result() { return result_; }
   /// Strains of the last simulation, as given.
-  const StrainField& strains() const { return elements_.strains(); }
+  const StrainSource<Dim>& strains() const { return *strains_; }
   /// Later simulations and adjoints are solved to this tolerance.
   void set_tolerance(const SolveTolerance& tolerance);
   /// Forgets what earlier solves have left in the solvers for later ones (ElasticitySolver::start_cold()).
@@ -127,6 +129,7 @@ class ProcessSimulation {
   BlockSolver block_solver_;
   int lanes_;
   StrainCases<Dim> cases_;
+  const StrainSource<Dim>* strains_ = nullptr;  ///< of the last simulation
   LayerElements<Dim> elements_;
   std::unique_ptr<const BuiltRegion<Dim>> built_;  ///< nullptr: all elements count
   std::vector<BlockRegion> regions_;               ///< of this group's blocks

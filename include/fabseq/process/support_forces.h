@@ -5,6 +5,7 @@
 #include "fabseq/layers/layers.h"
 #include "fabseq/process/built_region.h"
 #include "fabseq/process/elastic_model.h"
+#include "fabseq/process/strain_source.h"
 
 #include <span>
 #include <vector>
@@ -20,11 +21,10 @@ class SupportForces {
   /// Collective. The model must outlive the object.
   explicit SupportForces(const ElasticModel<Dim>& model);
 
-  /// Adds sum_j (K_j du_j - f_j) on the supports to `reactions`, [owned node][component]. `factors`: on the
-  /// strains.
-  void add_reactions(const LayerDensities& densities, const StrainField& strains,
-                     const StrainFactors<Dim>& factors, const BlockRegion& region,
-                     const LaneVector& increments, std::span<double> reactions) const;
+  /// Adds sum_j (K_j du_j - f_j) on the supports to `reactions`, [owned node][component].
+  void add_reactions(const LayerDensities& densities, const StrainSource<Dim>& strains,
+                     const BlockRegion& region, const LaneVector& increments,
+                     std::span<double> reactions) const;
   /// Takes K_j w from the loads of the layers, w ([owned node][component]) counting on the supports only:
   /// loads of a system whose supports are moved by w.
   void subtract_motion(const LayerDensities& densities, const BlockRegion& region,
@@ -37,6 +37,11 @@ class SupportForces {
   std::size_t node(std::size_t element, int unknown) const {
     return model_.domain.first_corners[element] + model_.part.grid().corner_offsets()[unknown / Dim];
   }
+
+  using ElementLoad = typename ElasticModel<Dim>::ElementLoad;
+  /// f_j of the elements at supports, summed over the layers of a region, in the order of `elements_`.
+  std::vector<ElementLoad> summed_loads(const LayerDensities& densities, const StrainSource<Dim>& strains,
+                                        const BlockRegion& region) const;
 
   const ElasticModel<Dim>& model_;
   std::vector<int> elements_;  ///< of the model, that have a fixed node

@@ -3,6 +3,7 @@
 
 #include "fabseq/files/field_set.h"
 #include "fabseq/optimize/problem.h"
+#include "fabseq/process/built_strain.h"
 #include "fabseq/report/build_report.h"
 #include "fabseq/report/finished_shape.h"
 #include "fabseq/report/late_sets.h"
@@ -72,7 +73,7 @@ struct SequenceReport : SequenceNumbers {
   std::vector<double> displacement;           ///< [nodes][component]
   BuildFields build_fields;                   ///< where the shape was asked for
   std::vector<double> interpass_temperature;  ///< TemperatureReport::field, a part field; empty: none
-  std::vector<double> strain;                 ///< ElasticModel::strain_when_built(), where it was asked for
+  BuiltStrain strain;                         ///< where it was asked for
 };
 
 /// Adds time, layer, displacements and, where there are any, the other fields to a set, names prefixed. Part
@@ -90,11 +91,10 @@ template <int Dim>
 SequenceReport report_sequence(const Model<Dim>& model, const Problem<Dim>& problem, Pipeline<Dim>& pipeline,
                                const PipelineState<Dim>& state, bool with_shape = true);
 
-/// ElasticModel::strain_when_built() in a pipeline's last run. Not collective.
+/// What elements took up in a pipeline's last run. Not collective.
 template <int Dim>
-std::vector<double> strain_when_built(const Pipeline<Dim>& pipeline) {
-  const ProcessSimulation<Dim>& process = pipeline.process();
-  return process.model().strain_when_built(process.strains(), pipeline.last_layer_index());
+BuiltStrain strain_when_built(const Pipeline<Dim>& pipeline) {
+  return strain_when_built(pipeline.process().strains(), pipeline.last_layer_index());
 }
 
 /// What both deposition models make of a pipeline's last run. Collective.

@@ -4,7 +4,6 @@
 #pragma once
 
 #include "fabseq/layers/layers.h"
-#include "fabseq/process/elastic_model.h"
 #include "fabseq/process/process_adjoint.h"
 #include "fabseq/process/process_simulation.h"
 #include "fabseq/sequence/sequence.h"
@@ -31,7 +30,8 @@ struct PipelineAdjoint {
 
   ProcessAdjoint process;  ///< dJ/du, dJ/dv and dJ/d(increments) for the strain as given; empty while zero
   std::vector<ProcessAdjoint> combinations;  ///< the same for combinations of strain cases
-  StrainField strains;  ///< by inherent strains that are not the material's; empty while zero
+  std::vector<double>
+      strains;  ///< by the inputs of the strains (StrainSource), this rank's part; empty while zero
   /// By the temperatures at which layers begin, [layer], this rank's part of the sum over all ranks; empty
   /// while zero.
   std::vector<double> interpass;
