@@ -36,7 +36,7 @@ class LaneCg {
     return *matrix_;
   }
   /// Gives all memory back, that of the narrower solvers, too; coefficients and set-up are lost.
-  void give_back_memory();
+  void release_memory();
   /// What is known of the islands: kept, it saves looking for them in the very same systems again.
   using Islands = typename IslandModes<Problem, Width>::Known;
   /// Sets up the multigrid for the coefficients given to matrix(). `islands`: of these systems, or nothing;

@@ -29,7 +29,7 @@ void LaneCg<Problem, Width>::allocate() {
 }
 
 template <class Problem, int Width>
-void LaneCg<Problem, Width>::give_back_memory() {
+void LaneCg<Problem, Width>::release_memory() {
   matrix_.reset();
   multigrid_.reset();
   half_.reset();

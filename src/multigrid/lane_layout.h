@@ -24,7 +24,7 @@ class LaneLayout {
   void to_owned(const LaneArray& mesh, int width, LaneVector& owned) const;
 
   /// Gives back the memory that it keeps for the next call.
-  void give_back_memory() const { free_memory(ghosted_); }
+  void release_memory() const { free_memory(ghosted_); }
 
  private:
   /// Nodes that follow each other in the mesh and in the ghosted box.

@@ -80,7 +80,7 @@ void AdjointRows<Dim>::add_explicit(AdjointRow<Dim>& row) const {
     row.adjoint.densities.time_points.clear();
     std::ranges::fill(row.adjoint.interpass, 0.0);
   }
-  row.sink.hand_on();
+  row.sink.flush();
 }
 
 template <int Dim>

@@ -17,15 +17,15 @@ class LayerStage : public Stage<Dim> {
   void forward(const StageInput& input, StageResults<Dim>& results) override {
     layers_ = model_.make(input.design.layer_variables, input.beta, input.binary, negligible_);
     layers_->set_densities(results.time->time, densities_);
-    results.cut = layers_.get();
-    results.layers = &densities_;
+    results.layers = layers_.get();
+    results.densities = &densities_;
   }
   void pull_back(const PipelineState<Dim>& /*state*/, const SolveTolerance& /*tolerance*/,
                  AdjointRowSpan<Dim> rows) override {
-    for (AdjointRow<Dim>* row : rows) row->sink.hand_on_all();
+    for (AdjointRow<Dim>* row : rows) row->sink.flush_all();
   }
   Phase phase() const override { return Phase::layers; }
-  void give_back_memory() override { densities_ = {}; }
+  void release_memory() override { densities_ = {}; }
 
  private:
   const LayerModel<Dim>& model_;

@@ -45,7 +45,7 @@ PipelineState<Dim> Pipeline<Dim>::run(const Design& design, double beta, bool bi
     const auto scope = timer_.enter(stage->phase());
     stage->forward(input, results_);
   }
-  return {*results_.time, *results_.layers, *results_.process, results_.temperatures};
+  return {*results_.time, *results_.densities, *results_.process, results_.temperatures};
 }
 
 template <int Dim>
@@ -64,7 +64,7 @@ std::vector<std::vector<double>> Pipeline<Dim>::values(Responses<Dim> responses,
 template <int Dim>
 std::vector<Design> Pipeline<Dim>::gradients(Responses<Dim> responses, const PipelineState<Dim>& state,
                                              const std::vector<GradientRow>& rows) {
-  AdjointRows<Dim> adjoints(model_, timer_, responses, state, *results_.cut, rows, layer_variables_);
+  AdjointRows<Dim> adjoints(model_, timer_, responses, state, *results_.layers, rows, layer_variables_);
   const std::vector<AdjointRow<Dim>*> shared = adjoints.shared();
   {
     const auto scope = timer_.enter(Phase::responses);
@@ -87,7 +87,7 @@ std::vector<Design> Pipeline<Dim>::gradients(Responses<Dim> responses, const Pip
 template <int Dim>
 void Pipeline<Dim>::pull_back(const PipelineState<Dim>& state, AdjointRowSpan<Dim> rows, bool of_owner) {
   for (std::size_t i = stages_.size(); i-- > 0;) {
-    if (stages_[i]->is_of_owner() != of_owner) continue;
+    if (stages_[i]->runs_in_owner_group() != of_owner) continue;
     const auto scope = timer_.enter(stages_[i]->adjoint_phase());
     stages_[i]->pull_back(state, tolerances_.adjoint, rows);
   }
@@ -128,8 +128,8 @@ void Pipeline<Dim>::restore(const CheckpointState& state) {
 }
 
 template <int Dim>
-void Pipeline<Dim>::give_back_memory() {
-  for (const auto& stage : stages_) stage->give_back_memory();
+void Pipeline<Dim>::release_memory() {
+  for (const auto& stage : stages_) stage->release_memory();
 }
 
 template <int Dim>

@@ -68,7 +68,7 @@ StageCost cost_of_process(const RunSize& size, SolverPath path, int groups, int 
       .held = increments,
       .solving = bytes_of_systems(size, path, groups, lanes),
       .work = deal.longest,
-      .work_beside = deal.total - deal.longest,
+      .work_of_other_groups = deal.total - deal.longest,
       .seconds = (1.0 + size.cases + size.functionals) * size.layers * size.unknowns * seconds / size.ranks};
 }
 
@@ -92,7 +92,7 @@ template <int Dim>
 void ProcessStage<Dim>::forward(const StageInput& input, StageResults<Dim>& results) {
   simulation_.set_tolerance(elasticity_tolerance(input.tolerance));
   simulation_.leave_out_unbuilt(input.region == SolverRegion::built);
-  results.process = &simulation_.simulate(*results.layers, *results.strains);
+  results.process = &simulation_.simulate(*results.densities, *results.strains);
   forward_iterations_ = results.process->iterations;
   adjoint_iterations_.clear();
 }

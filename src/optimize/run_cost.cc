@@ -111,7 +111,7 @@ double relative_time_estimate(const RunSize& size, SolverPath path, int groups) 
   for (const StageType* stage : stage_types()) {
     const StageCost cost = stage->cost(size, path, groups, widest_block);
     slowest += cost.work;
-    all += cost.work + cost.work_beside;
+    all += cost.work + cost.work_of_other_groups;
   }
   // A rank has one core at most, and all ranks together have as many as there are: where ranks share cores,
   // groups that are done leave theirs to the others.

@@ -19,7 +19,7 @@ class StrainStage : public Stage<Dim> {
         strain_(context.model.settings.material, context.model.characteristic_length) {}
 
   void forward(const StageInput& /*input*/, StageResults<Dim>& results) override {
-    strain_.set(results.time->gradient, *results.layers,
+    strain_.set(results.time->gradient, *results.densities,
                 results.temperatures != nullptr ? std::span<const double>(results.temperatures->share)
                                                 : std::span<const double>());
     results.strains = &strain_;
@@ -42,7 +42,7 @@ class StrainStage : public Stage<Dim> {
  private:
   void pull_back_share(const LayerTemperatures& temperatures, PipelineAdjoint<Dim>& adjoint) const {
     const std::span<const double> d_share = strain_.of_shares(adjoint.strains);
-    std::vector<double>& d_interpass = adjoint.touch_interpass(temperatures.count());
+    std::vector<double>& d_interpass = adjoint.interpass_or_zeros(temperatures.count());
     for (std::size_t j = 0; j < d_share.size(); ++j)
       d_interpass[j] += temperatures.share_slope[j] * d_share[j];
   }

@@ -29,7 +29,7 @@ class TemperatureStage : public Stage<Dim> {
   void forward(const StageInput& input, StageResults<Dim>& results) override {
     temperature_.simulation.set_tolerance(step_tolerance(input.tolerance));
     temperature_.simulation.take_only(input.region == SolverRegion::built ? &standing_ : nullptr);
-    results.temperatures = &temperature_.simulation.simulate(*results.layers);
+    results.temperatures = &temperature_.simulation.simulate(*results.densities);
     iterations_ = results.temperatures->iterations;
   }
 
@@ -39,7 +39,7 @@ class TemperatureStage : public Stage<Dim> {
     for (AdjointRow<Dim>* row : rows) {
       if (!row->shared) continue;
       any_shared = true;
-      groups_.sum_at(row->owner, row->adjoint.touch_interpass(state.layers.count()));
+      groups_.sum_at(row->owner, row->adjoint.interpass_or_zeros(state.layers.count()));
     }
     const auto pull_back_own = [&] { this->pull_back_own(state, tolerance, rows); };
     // Rows that are not shared come from within a group.
@@ -50,7 +50,7 @@ class TemperatureStage : public Stage<Dim> {
   }
   Phase phase() const override { return Phase::heat; }
   void start_cold() override { temperature_.simulation.start_cold(); }
-  void give_back_memory() override { temperature_.simulation.give_back_memory(); }
+  void release_memory() override { temperature_.simulation.release_memory(); }
   void add_iterations(SolverIterations& iterations) const override { iterations.temperature = iterations_; }
 
  private:

@@ -86,7 +86,8 @@ void Deposition<Dim>::add_derivatives(const std::vector<Missing>& missing, int f
   for (int lane = 0; lane < d_weights.lanes; ++lane) {
     for (std::size_t k = 0; k < nodes.size(); ++k) owned[nodes[k]] = d_weights(k, lane);
     grid.exchange(1).to_ghosted(owned, of_nodes);
-    auto& d_stage = DensityDerivatives::touch(derivatives.stage[first + lane], part.elements().size());
+    auto& d_stage =
+        DensityDerivatives::zeros_if_empty(derivatives.stage[first + lane], part.elements().size());
     for (std::size_t node = 0; node < of_nodes.size(); ++node)
       if (of_nodes[node] != 0.0) add_derivatives_at(around_[node], missing[lane], of_nodes[node], d_stage);
   }

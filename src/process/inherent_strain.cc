@@ -103,7 +103,7 @@ void InherentStrain<Dim>::pull_back(std::span<const double> gradient, const Laye
                               &d_gradient[e * Dim]);
     return;
   }
-  std::vector<double>& d_directions = d_densities.touch_directions(sub_parts);
+  std::vector<double>& d_directions = d_densities.directions_or_zeros(sub_parts);
   for (std::size_t j = 0; j < sub_parts.of_layer.size(); ++j) {
     const std::size_t first = static_cast<std::size_t>(sub_parts.of_layer[j]) * Dim;
     turned_->add_derivative(&sub_parts.directions[first], 0.0, &d_inputs[j * voigt_size<Dim>],

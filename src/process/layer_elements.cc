@@ -161,8 +161,8 @@ void LayerElements<Dim>::add_derivatives(const LayerDensities& densities, const 
   const Strains of_block(model_, strains);
   const int lanes = increments.lanes;
   for (int layer = region.block.first; layer < region.block.first + lanes; ++layer) {
-    DensityDerivatives::touch(derivatives.stage[layer], model_.part_position.size());
-    DensityDerivatives::touch(derivatives.layer[layer], model_.part_position.size());
+    DensityDerivatives::zeros_if_empty(derivatives.stage[layer], model_.part_position.size());
+    DensityDerivatives::zeros_if_empty(derivatives.layer[layer], model_.part_position.size());
   }
   std::vector<double> u_room, lambda_room;
   const double* u = ghosted(increments, u_room);

@@ -55,8 +55,8 @@ int ProcessSimulation<Dim>::owned_nodes() const {
 }
 
 template <int Dim>
-void ProcessSimulation<Dim>::give_back_memory() {
-  solver_->give_back_memory();
+void ProcessSimulation<Dim>::release_memory() {
+  solver_->release_memory();
   for (std::size_t number = 0; number < result_.case_count(); ++number)
     result_.of_case(number).increments = {};
   result_.weights = {};
@@ -104,15 +104,15 @@ const ProcessResult& ProcessSimulation<Dim>::simulate(const LayerDensities& dens
   result_.weights.resize(deposition_ ? result_.blocks.size() : 0);
   SolveCount count(densities.count());
   groups_.run([&] {
-    Room room(count);
+    Workspace workspace(count);
     for (std::size_t number = 0; number < result_.blocks.size(); ++number) {
       const LayerBlock& block = result_.blocks[number];
       regions_.push_back(built_ ? built_->of(densities, block) : BlockRegion{block, {}, {}});
       result_.nodes.emplace_back(regions_.back().elements.empty() ? model_.nodes : regions_.back().nodes);
-      solve_block(densities, number, room);
+      solve_block(densities, number, workspace);
     }
   });
-  if (solver_->saves_memory()) solver_->give_back_memory();
+  if (solver_->saves_memory()) solver_->release_memory();
   for (std::size_t number = 0; number < result_.case_count(); ++number)
     groups_.sum(result_.of_case(number).displacement);
   count.gather(groups_);
@@ -152,25 +152,26 @@ std::vector<double> ProcessSimulation<Dim>::in_first_group(
 
 /// All cases, as many at a time as the solver can use.
 template <int Dim>
-void ProcessSimulation<Dim>::solve_block(const LayerDensities& densities, std::size_t number, Room& room) {
+void ProcessSimulation<Dim>::solve_block(const LayerDensities& densities, std::size_t number,
+                                         Workspace& workspace) {
   const LayerBlock& block = result_.blocks[number];
   set_operators(densities, regions_[number], true);
   const std::size_t all = result_.case_count(), at_once = std::min(all, solver_->sets_at_once());
-  room.loads.resize(at_once);
-  room.solutions.resize(at_once);
+  workspace.loads.resize(at_once);
+  workspace.solutions.resize(at_once);
   for (std::size_t first = 0; first < all; first += at_once) {
     const std::size_t count = std::min(at_once, all - first);
     for (std::size_t i = 0; i < count; ++i) {
-      resize(room.loads[i], owned_nodes(), Dim, block.lanes);
-      resize(room.solutions[i], owned_nodes(), Dim, block.lanes);
+      resize(workspace.loads[i], owned_nodes(), Dim, block.lanes);
+      resize(workspace.solutions[i], owned_nodes(), Dim, block.lanes);
       elements_.set_load(densities, regions_[number], CaseStrain<Dim>(*strains_, cases_.cases[first + i]),
-                         room.loads[i]);
+                         workspace.loads[i]);
     }
     const auto reports =
-        solver_->solve(std::span(room.loads).first(count), std::span(room.solutions).first(count));
+        solver_->solve(std::span(workspace.loads).first(count), std::span(workspace.solutions).first(count));
     for (std::size_t i = 0; i < count; ++i) {
-      pick(room.solutions[i], result_.nodes[number], result_.of_case(first + i).increments[number]);
-      room.count.add(reports[i], block.first, "forward");
+      pick(workspace.solutions[i], result_.nodes[number], result_.of_case(first + i).increments[number]);
+      workspace.count.add(reports[i], block.first, "forward");
     }
   }
   if (deposition_) result_.weights[number] = deposition_->weights(densities, block, result_.nodes[number]);
@@ -209,11 +210,11 @@ void ProcessSimulation<Dim>::pull_back(const LayerDensities& densities,
   adjoint_loads_.update(densities, result_, functionals);
   SolveCount count(densities.count());
   groups_.run([&] {
-    Room room(count);
+    Workspace workspace(count);
     for (std::size_t number = 0; number < result_.blocks.size(); ++number)
-      pull_back_block(densities, number, all, room);
+      pull_back_block(densities, number, all, workspace);
   });
-  if (solver_->saves_memory()) solver_->give_back_memory();
+  if (solver_->saves_memory()) solver_->release_memory();
   count.gather(groups_);
   expect(count.all, /*adjoint=*/true);
   adjoint_iterations_ = std::move(count.largest);
@@ -223,34 +224,35 @@ void ProcessSimulation<Dim>::pull_back(const LayerDensities& densities,
 /// use. Functionals with negligible loads have explicit derivatives only.
 template <int Dim>
 void ProcessSimulation<Dim>::pull_back_block(const LayerDensities& densities, std::size_t number,
-                                             std::span<const Functional> functionals, Room& room) {
+                                             std::span<const Functional> functionals, Workspace& workspace) {
   const LayerBlock& block = result_.blocks[number];
-  room.missing.clear();
+  workspace.missing.clear();
   for (int lane = 0; deposition_ && lane < block.lanes; ++lane)
-    room.missing.push_back(deposition_->missing(densities.stage[block.first + lane]));
+    workspace.missing.push_back(deposition_->missing(densities.stage[block.first + lane]));
   std::vector<const Functional*> solved;
   for (std::size_t i = 0; i < functionals.size(); ++i) {
     if (adjoint_loads_.any(i, block))
       solved.push_back(&functionals[i]);
     else
-      add_derivatives(densities, number, functionals[i], nullptr, room);
+      add_derivatives(densities, number, functionals[i], nullptr, workspace);
   }
   if (solved.empty()) return;
   set_operators(densities, regions_[number], false);
   const std::size_t at_once = std::min(solved.size(), solver_->sets_at_once());
-  room.loads.resize(at_once);
-  room.solutions.resize(at_once);
+  workspace.loads.resize(at_once);
+  workspace.solutions.resize(at_once);
   for (std::size_t first = 0; first < solved.size(); first += at_once)
     solve_adjoints(densities, number,
-                   std::span(solved).subspan(first, std::min(at_once, solved.size() - first)), room);
+                   std::span(solved).subspan(first, std::min(at_once, solved.size() - first)), workspace);
 }
 
 template <int Dim>
 void ProcessSimulation<Dim>::solve_adjoints(const LayerDensities& densities, std::size_t number,
-                                            std::span<const Functional* const> functionals, Room& room) {
+                                            std::span<const Functional* const> functionals,
+                                            Workspace& workspace) {
   const LayerBlock& block = result_.blocks[number];
-  const std::span<LaneVector> loads = std::span(room.loads).first(functionals.size());
-  const std::span<LaneVector> adjoints = std::span(room.solutions).first(functionals.size());
+  const std::span<LaneVector> loads = std::span(workspace.loads).first(functionals.size());
+  const std::span<LaneVector> adjoints = std::span(workspace.solutions).first(functionals.size());
   for (std::size_t i = 0; i < functionals.size(); ++i) {
     const Functional& functional = *functionals[i];
     resize(loads[i], owned_nodes(), Dim, block.lanes);
@@ -261,9 +263,9 @@ void ProcessSimulation<Dim>::solve_adjoints(const LayerDensities& densities, std
   }
   const auto reports = solver_->solve(loads, adjoints);
   for (std::size_t i = 0; i < functionals.size(); ++i) {
-    room.count.add(reports[i], block.first, "adjoint");
+    workspace.count.add(reports[i], block.first, "adjoint");
     if (!functionals[i]->motion.empty()) supports_.add_motion(functionals[i]->motion, adjoints[i]);
-    add_derivatives(densities, number, *functionals[i], &adjoints[i], room);
+    add_derivatives(densities, number, *functionals[i], &adjoints[i], workspace);
   }
 }
 
@@ -271,7 +273,7 @@ void ProcessSimulation<Dim>::solve_adjoints(const LayerDensities& densities, std
 template <int Dim>
 void ProcessSimulation<Dim>::add_derivatives(const LayerDensities& densities, std::size_t number,
                                              const Functional& functional, const LaneVector* adjoint,
-                                             Room& room) const {
+                                             Workspace& workspace) const {
   const ProcessDerivatives& to = *functional.to;
   const std::vector<double>& combination = functional.from->combination;
   LaneVector combined;
@@ -279,18 +281,19 @@ void ProcessSimulation<Dim>::add_derivatives(const LayerDensities& densities, st
   const LaneVector& increments = combination.empty() ? result_.increments[number] : combined;
   if (adjoint != nullptr) {
     // Functionals of the same block share its increments.
-    if (room.spread_from != &increments)
-      spread(increments, result_.nodes[number], owned_nodes(), room.increments);
-    room.spread_from = combination.empty() ? &increments : nullptr;
-    elements_.add_derivatives(
-        densities, regions_[number], CaseStrain<Dim>(*strains_, cases_.factors(combination)), room.increments,
-        *adjoint, *to.densities, to.strains != nullptr ? std::span(*to.strains) : std::span<double>());
+    if (workspace.spread_from != &increments)
+      spread(increments, result_.nodes[number], owned_nodes(), workspace.increments);
+    workspace.spread_from = combination.empty() ? &increments : nullptr;
+    elements_.add_derivatives(densities, regions_[number],
+                              CaseStrain<Dim>(*strains_, cases_.factors(combination)), workspace.increments,
+                              *adjoint, *to.densities,
+                              to.strains != nullptr ? std::span(*to.strains) : std::span<double>());
   }
   if (deposition_)
-    deposition_->add_derivatives(room.missing, result_.blocks[number].first, result_.nodes[number],
+    deposition_->add_derivatives(workspace.missing, result_.blocks[number].first, result_.nodes[number],
                                  weight_derivatives(*functional.from, result_, number, increments),
                                  *to.densities);
-  if (to.sink != nullptr) to.sink->hand_on();
+  if (to.sink != nullptr) to.sink->flush();
 }
 
 FABSEQ_INSTANTIATE_CLASS(ProcessSimulation);

@@ -49,7 +49,8 @@ class BuildTime : public Response<Dim> {
     for (int j = 0; j < state.layers.count(); ++j) {
       const double used = std::exp(-volume[j] / sliver_of(state)) / sliver_of(state);
       const double derivative = weight * grid_.element_volume() * clock_.hours(1.0, used);
-      auto& d_layer = DensityDerivatives::touch(adjoint.densities.layer[j], state.layers.layer[j].size());
+      auto& d_layer =
+          DensityDerivatives::zeros_if_empty(adjoint.densities.layer[j], state.layers.layer[j].size());
       for (double& of_element : d_layer) of_element += derivative;
     }
   }

@@ -30,10 +30,10 @@ class DepositionSpeed : public Response<Dim> {
 
   void add_derivative(int component, double weight, const PipelineState<Dim>& state,
                       PipelineAdjoint<Dim>& adjoint) const override {
-    auto& d_stage =
-        DensityDerivatives::touch(adjoint.densities.stage[component], state.layers.stage[component].size());
+    auto& d_stage = DensityDerivatives::zeros_if_empty(adjoint.densities.stage[component],
+                                                       state.layers.stage[component].size());
     for (double& derivative : d_stage) derivative += weight * volume_fraction();
-    adjoint.densities.touch_time_points()[component + 1] -= weight;
+    adjoint.densities.time_points_or_zeros()[component + 1] -= weight;
   }
 
   std::vector<ConstraintRow> rows(double margin) const override {

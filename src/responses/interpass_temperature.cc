@@ -33,7 +33,7 @@ class InterpassTemperature : public Response<Dim> {
 
   void add_derivative(int component, double weight, const PipelineState<Dim>& state,
                       PipelineAdjoint<Dim>& adjoint) const override {
-    adjoint.touch_interpass(state.layers.count())[component + 1] += weight;
+    adjoint.interpass_or_zeros(state.layers.count())[component + 1] += weight;
   }
 
   /// Relative to what the limit allows above the air.

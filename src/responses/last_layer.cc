@@ -43,14 +43,14 @@ class LastLayer : public Response<Dim> {
     const std::vector<double> late = lateness(state, last);
     const double value = norm(late);
     if (value == 0.0) return;
-    auto& d_time = DensityDerivatives::touch(adjoint.time.time, late.size());
+    auto& d_time = DensityDerivatives::zeros_if_empty(adjoint.time.time, late.size());
     double total = 0.0;
     for (std::size_t e = 0; e < late.size(); ++e) {
       const double derivative = weight * state.layers.count() * std::pow(late[e] / value, power - 1);
       d_time[e] += derivative;
       total += derivative;
     }
-    adjoint.densities.touch_time_points()[last] -= sum(grid_.comm(), total);
+    adjoint.densities.time_points_or_zeros()[last] -= sum(grid_.comm(), total);
   }
 
   std::vector<ConstraintRow> rows(double margin) const override {

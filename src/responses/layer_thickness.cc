@@ -51,7 +51,7 @@ class LayerThickness : public Response<Dim> {
         weight * (layer.thickness / target_ - 1.0) * fade.slope * grid.element_volume();
     weight *= fade.share;
     const double factor = -weight * layer.thickness / (target_ * layer.mean * layer.weight);
-    auto& d_layer = DensityDerivatives::touch(adjoint.densities.layer[component], magnitude.size());
+    auto& d_layer = DensityDerivatives::zeros_if_empty(adjoint.densities.layer[component], magnitude.size());
     const std::vector<double>& density = state.layers.layer[component];
     std::vector<double> d_magnitude(magnitude.size());
     for (std::size_t e = 0; e < magnitude.size(); ++e) {
@@ -59,7 +59,7 @@ class LayerThickness : public Response<Dim> {
       d_magnitude[e] = factor * (density[e] + layer_density_floor);
     }
     add_magnitude_derivative(state, magnitude, d_magnitude, adjoint);
-    std::vector<double>& d_time_points = adjoint.densities.touch_time_points();
+    std::vector<double>& d_time_points = adjoint.densities.time_points_or_zeros();
     d_time_points[component] -= weight / (target_ * layer.mean);
     d_time_points[component + 1] += weight / (target_ * layer.mean);
   }

@@ -61,7 +61,7 @@ class Uniformity : public Response<Dim> {
       const LayerStatistics& layer = statistics[j];
       const Partials partials = this->partials(statistics, layer);
       if (partials.deviation == 0.0) continue;
-      auto& d_layer = DensityDerivatives::touch(adjoint.densities.layer[j], magnitude.size());
+      auto& d_layer = DensityDerivatives::zeros_if_empty(adjoint.densities.layer[j], magnitude.size());
       for (std::size_t e = 0; e < magnitude.size(); ++e) {
         const double difference = magnitude[e] - layer.mean;
         const double density = state.layers.layer[j][e] + layer_density_floor;

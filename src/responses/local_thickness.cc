@@ -84,7 +84,7 @@ class LocalThickness : public Response<Dim> {
     }
     add_magnitude_derivative(state, magnitude, d_magnitude, adjoint);
     add_duration_derivative(state.layers, d_duration, adjoint.densities);
-    auto& d_time = DensityDerivatives::touch(adjoint.time.time, d_duration.size());
+    auto& d_time = DensityDerivatives::zeros_if_empty(adjoint.time.time, d_duration.size());
     for (std::size_t e = 0; e < d_duration.size(); ++e) {
       if (state.time.time[e] > state.layers.time_points.back()) d_time[e] += d_duration[e];
       if (state.time.time[e] < state.layers.time_points.front()) d_time[e] -= d_duration[e];
@@ -122,14 +122,14 @@ class LocalThickness : public Response<Dim> {
     std::vector<double> d_time(static_cast<std::size_t>(layers.count()));
     for (int j = 0; j < layers.count(); ++j) {
       const double time = layers.time_points[j + 1] - layers.time_points[j];
-      auto& d_layer = DensityDerivatives::touch(derivatives.layer[j], density.size());
+      auto& d_layer = DensityDerivatives::zeros_if_empty(derivatives.layer[j], density.size());
       for (std::size_t e = 0; e < density.size(); ++e) {
         d_layer[e] += d_duration[e] * time / density[e];
         d_time[j] += d_duration[e] * layers.layer[j][e] / density[e];
       }
     }
     sum_in_place(context_.part.grid().comm(), d_time);
-    auto& d_time_points = derivatives.touch_time_points();
+    auto& d_time_points = derivatives.time_points_or_zeros();
     for (int j = 0; j < layers.count(); ++j) {
       d_time_points[j + 1] += d_time[j];
       d_time_points[j] -= d_time[j];

@@ -36,8 +36,8 @@ class MinimumLayerVolume : public Response<Dim> {
 
   void add_derivative(int component, double weight, const PipelineState<Dim>& state,
                       PipelineAdjoint<Dim>& adjoint) const override {
-    auto& d_layer =
-        DensityDerivatives::touch(adjoint.densities.layer[component], state.layers.layer[component].size());
+    auto& d_layer = DensityDerivatives::zeros_if_empty(adjoint.densities.layer[component],
+                                                       state.layers.layer[component].size());
     const double element_volume = grid_.element_volume();
     for (double& derivative : d_layer) derivative -= weight * element_volume;
   }

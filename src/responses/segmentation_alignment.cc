@@ -57,9 +57,9 @@ class SegmentationAlignment : public Response<Dim> {
                       PipelineAdjoint<Dim>& adjoint) const override {
     const SubParts& sub_parts = state.layers.sub_parts;
     const std::size_t elements = state.time.time.size();
-    auto& d_time = DensityDerivatives::touch(adjoint.time.time, elements);
-    auto& d_gradient = DensityDerivatives::touch(adjoint.time.gradient, elements * Dim);
-    auto& d_directions = adjoint.densities.touch_directions(sub_parts);
+    auto& d_time = DensityDerivatives::zeros_if_empty(adjoint.time.time, elements);
+    auto& d_gradient = DensityDerivatives::zeros_if_empty(adjoint.time.gradient, elements * Dim);
+    auto& d_directions = adjoint.densities.directions_or_zeros(sub_parts);
     for (std::size_t i = 0; i < sub_parts.timestamps.size(); ++i) {
       const Band band(sub_parts.timestamps[i], band_);
       for (std::size_t e = 0; e < elements; ++e) {

@@ -50,8 +50,8 @@ class SetDisplacement {
   void add_derivative(int node, int axis, double value, const PipelineState<Dim>& state,
                       PipelineAdjoint<Dim>& adjoint) const {
     const std::size_t i = static_cast<std::size_t>(node) * Dim + axis;
-    touch(adjoint.process.displacement, state)[i] += value;
-    if (after_release_) touch(adjoint.process.release, state)[i] += value;
+    zeros_if_empty(adjoint.process.displacement, state)[i] += value;
+    if (after_release_) zeros_if_empty(adjoint.process.release, state)[i] += value;
   }
   /// Adds a functional's derivative, `factor` times the function's products with all(), to `adjoint`.
   void add_derivative(const SetFunction& function, double factor, const PipelineState<Dim>& state,
@@ -63,12 +63,13 @@ class SetDisplacement {
   }
   /// Makes room for derivatives. All ranks must call it, also those without a node of the set.
   void prepare(const PipelineState<Dim>& state, PipelineAdjoint<Dim>& adjoint) const {
-    touch(adjoint.process.displacement, state);
-    if (after_release_) touch(adjoint.process.release, state);
+    zeros_if_empty(adjoint.process.displacement, state);
+    if (after_release_) zeros_if_empty(adjoint.process.release, state);
   }
 
  private:
-  static std::vector<double>& touch(std::vector<double>& derivative, const PipelineState<Dim>& state) {
+  static std::vector<double>& zeros_if_empty(std::vector<double>& derivative,
+                                             const PipelineState<Dim>& state) {
     if (derivative.empty()) derivative.assign(state.process.displacement.size(), 0.0);
     return derivative;
   }

@@ -40,7 +40,7 @@ class SubpartVolume : public Response<Dim> {
   void add_derivative(int component, double weight, const PipelineState<Dim>& state,
                       PipelineAdjoint<Dim>& adjoint) const override {
     const SubParts& sub_parts = state.layers.sub_parts;
-    for (double& derivative : adjoint.densities.touch_sub_part(sub_parts, component))
+    for (double& derivative : adjoint.densities.sub_part_or_zeros(sub_parts, component))
       derivative += weight * share_of_element(sub_parts);
   }
 

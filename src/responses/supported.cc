@@ -43,8 +43,8 @@ class Supported : public Response<Dim> {
                       PipelineAdjoint<Dim>& adjoint) const override {
     const std::vector<double> times = below_.gather(state.time.time);
     const SubParts& sub_parts = state.layers.sub_parts;
-    auto& d_time = DensityDerivatives::touch(adjoint.time.time, state.time.time.size());
-    auto& d_gradient = DensityDerivatives::touch(adjoint.time.gradient, state.time.gradient.size());
+    auto& d_time = DensityDerivatives::zeros_if_empty(adjoint.time.time, state.time.time.size());
+    auto& d_gradient = DensityDerivatives::zeros_if_empty(adjoint.time.gradient, state.time.gradient.size());
     std::vector<double> d_times(times.size());
     for_each(state, [&](std::size_t e, int sub_part, const BuildTime& when, const UnitGradient<Dim>& gradient,
                         const Point<Dim>& axis) {
@@ -59,7 +59,7 @@ class Supported : public Response<Dim> {
         gradient.add_derivative(by.axis, &d_gradient[e * Dim]);
         return;
       }
-      auto& d_directions = adjoint.densities.touch_directions(sub_parts);
+      auto& d_directions = adjoint.densities.directions_or_zeros(sub_parts);
       for (int i = 0; i < Dim; ++i) d_directions[static_cast<std::size_t>(sub_part) * Dim + i] += by.axis[i];
     });
     const std::vector<double> of_others = below_.scatter(d_times);

@@ -67,14 +67,14 @@ class Tilt : public Response<Dim> {
       Point<Dim> d_axis;
       for (int i = 0; i < Dim; ++i) d_axis[i] = factor * up_[i];
       if (sub_part < 0) {
-        axis.add_derivative(
-            d_axis, &DensityDerivatives::touch(adjoint.time.gradient, state.time.gradient.size())[e * Dim]);
+        axis.add_derivative(d_axis, &DensityDerivatives::zeros_if_empty(adjoint.time.gradient,
+                                                                        state.time.gradient.size())[e * Dim]);
         return;
       }
-      adjoint.densities.touch_sub_part(sub_parts, sub_part)[e] +=
+      adjoint.densities.sub_part_or_zeros(sub_parts, sub_part)[e] +=
           weight * context_.weight_of(e) * excess.value;
       for (int i = 0; i < Dim; ++i)
-        adjoint.densities.touch_directions(sub_parts)[static_cast<std::size_t>(sub_part) * Dim + i] +=
+        adjoint.densities.directions_or_zeros(sub_parts)[static_cast<std::size_t>(sub_part) * Dim + i] +=
             d_axis[i];
     });
   }

@@ -67,7 +67,7 @@ class ToolClearance : public Response<Dim> {
                       PipelineAdjoint<Dim>& adjoint) const override {
     const Field field = gather(state);
     const std::size_t elements = context_.part.part_density().size();
-    auto& d_time = DensityDerivatives::touch(adjoint.time.time, elements);
+    auto& d_time = DensityDerivatives::zeros_if_empty(adjoint.time.time, elements);
     std::vector<double> d_field(field.time.size());
     for_each_element(state, [&](std::size_t e, const Place& place, const LeastRotation<Dim>& rotation) {
       const double factor = weight * unit() * counts(e);
@@ -84,7 +84,7 @@ class ToolClearance : public Response<Dim> {
             });
         rotation.add_derivative(sample, d_offset, d_axis);
       }
-      if (turns()) direction(state, e).add_derivative(d_axis, &touch_gradient(state, adjoint)[e * Dim]);
+      if (turns()) direction(state, e).add_derivative(d_axis, &gradient_or_zeros(state, adjoint)[e * Dim]);
     });
     const std::vector<double> of_others = context_.part.restrict_to_part(halo_.scatter_add(d_field));
     for (std::size_t e = 0; e < elements; ++e) d_time[e] += of_others[e];
@@ -150,8 +150,9 @@ class ToolClearance : public Response<Dim> {
   UnitGradient<Dim> direction(const PipelineState<Dim>& state, std::size_t e) const {
     return UnitGradient<Dim>(&state.time.gradient[e * Dim], context_.characteristic_length);
   }
-  static std::vector<double>& touch_gradient(const PipelineState<Dim>& state, PipelineAdjoint<Dim>& adjoint) {
-    return DensityDerivatives::touch(adjoint.time.gradient, state.time.gradient.size());
+  static std::vector<double>& gradient_or_zeros(const PipelineState<Dim>& state,
+                                                PipelineAdjoint<Dim>& adjoint) {
+    return DensityDerivatives::zeros_if_empty(adjoint.time.gradient, state.time.gradient.size());
   }
   /// Calls what(part element, its place, rotation of the torch there) for those that count.
   template <class What>

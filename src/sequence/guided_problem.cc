@@ -51,7 +51,7 @@ std::vector<double> GuidedProblem<Dim>::times(std::span<const double> vectors) {
     require_convergence(report, "the solve for the guided time");
     iterations_ = report.iterations;
   });
-  if (solver_->saves_memory()) solver_->give_back_memory();
+  if (solver_->saves_memory()) solver_->release_memory();
   broadcast(across_, solution.values);
   MPI_Bcast(&iterations_, 1, MPI_INT, 0, across_);
   return std::move(solution.values);
@@ -71,7 +71,7 @@ std::vector<std::vector<double>> GuidedProblem<Dim>::pull_back(std::span<const T
   set_up();
   adjoint_iterations_ =
       solve_time_adjoints<Dim>(part_, element_, *solver_, rows, lanes_, add, "an adjoint of the guided time");
-  if (solver_->saves_memory()) solver_->give_back_memory();
+  if (solver_->saves_memory()) solver_->release_memory();
   return result;
 }
 

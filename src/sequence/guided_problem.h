@@ -52,7 +52,7 @@ class GuidedProblem {
 
   void set_tolerance(const SolveTolerance& tolerance) { solver_->set_tolerance(tolerance); }
   void start_cold();
-  void give_back_memory() { solver_->give_back_memory(); }
+  void release_memory() { solver_->release_memory(); }
 
  private:
   void set_up();

@@ -37,7 +37,7 @@ class GuidedSequence : public Sequence<Dim> {
   std::vector<std::vector<double>> pull_back(std::span<const TimeDerivatives> rows) override;
   void set_tolerance(const SolveTolerance& tolerance) override { problem_->set_tolerance(tolerance); }
   void start_cold() override { problem_->start_cold(); }
-  void give_back_memory() override { problem_->give_back_memory(); }
+  void release_memory() override { problem_->release_memory(); }
   std::vector<int> adjoint_iterations() const override { return problem_->adjoint_iterations(); }
 
  private:

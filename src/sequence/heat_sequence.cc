@@ -137,7 +137,7 @@ void HeatSequence<Dim>::solve_temperature() {
     require_convergence(report, "the heat solve");
     iterations = report.iterations;
   });
-  if (solver_->saves_memory()) solver_->give_back_memory();
+  if (solver_->saves_memory()) solver_->release_memory();
   time_.temperature = std::move(correction.values);
   broadcast(across_, time_.temperature);
   MPI_Bcast(&iterations, 1, MPI_INT, 0, across_);
@@ -208,7 +208,7 @@ std::vector<std::vector<double>> HeatSequence<Dim>::pull_back(std::span<const Ti
   // The adjoint solves K_T lambda = -dJ/dT. As t = 1 - T, the load -dJ/dT is dJ/dt.
   adjoint_iterations_ =
       solve_time_adjoints<Dim>(part_, model_->element, *solver_, rows, lanes_, add, "a heat adjoint");
-  if (solver_->saves_memory()) solver_->give_back_memory();
+  if (solver_->saves_memory()) solver_->release_memory();
   return result;
 }
 

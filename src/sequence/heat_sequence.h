@@ -85,7 +85,7 @@ class HeatSequence : public Sequence<Dim> {
   std::vector<std::vector<double>> pull_back(std::span<const TimeDerivatives> rows) override;
   void set_tolerance(const SolveTolerance& tolerance) override { solver_->set_tolerance(tolerance); }
   void start_cold() override { solver_->start_cold(); }
-  void give_back_memory() override { solver_->give_back_memory(); }
+  void release_memory() override { solver_->release_memory(); }
   std::vector<int> adjoint_iterations() const override { return adjoint_iterations_; }
 
  private:

@@ -127,13 +127,13 @@ std::vector<SolveReport> LaneElasticity<Dim>::solve_lanes(const LaneVector& load
   std::vector<SolveReport> reports;
   with_narrowest(solver_, width_, [&]<int Width>(auto& solver) {
     layout_.to_mesh(load, Width, load_);
-    if (saves_memory()) layout_.give_back_memory();
+    if (saves_memory()) layout_.release_memory();
     for (LaneOutcome outcome : solver.solve(load_, displacement_, load.lanes, stop_)) {
       if (not_finite_[reports.size() % lanes_] > 0.0) outcome.finite = false;
       reports.push_back(report_of(outcome));
     }
     layout_.to_owned(displacement_, Width, displacement);
-    if (saves_memory()) layout_.give_back_memory();
+    if (saves_memory()) layout_.release_memory();
   });
   return reports;
 }
@@ -166,9 +166,9 @@ void LaneElasticity<Dim>::set_tolerance(const SolveTolerance& tolerance) {
 }
 
 template <int Dim>
-void LaneElasticity<Dim>::give_back_memory() {
-  solver_.give_back_memory();
-  layout_.give_back_memory();
+void LaneElasticity<Dim>::release_memory() {
+  solver_.release_memory();
+  layout_.release_memory();
   for (LaneArray* array : {&load_, &displacement_}) free_memory(*array);
   free_memory(stiffness_);
 }

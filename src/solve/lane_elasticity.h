@@ -37,7 +37,7 @@ class LaneElasticity : public ElasticitySolver<Dim> {
   std::size_t sets_at_once() const override;
   /// The lanes begin every solve from zero, with operators of their own; what lasts is the fallback.
   void start_cold() override { fallback_.reset(); }
-  void give_back_memory() override;
+  void release_memory() override;
   bool saves_memory() const override { return most_lanes_ < widest_block; }
   std::string description() const override;
 

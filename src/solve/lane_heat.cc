@@ -184,10 +184,10 @@ void LaneHeat<Dim>::start_cold() {
 }
 
 template <int Dim>
-void LaneHeat<Dim>::give_back_memory() {
-  solver_.give_back_memory();
+void LaneHeat<Dim>::release_memory() {
+  solver_.release_memory();
   is_set_up_.fill(false);
-  layout_.give_back_memory();
+  layout_.release_memory();
   for (LaneArray* array : {&load_, &solution_}) free_memory(*array);
 }
 

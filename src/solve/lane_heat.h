@@ -36,7 +36,7 @@ class LaneHeat : public HeatSolver<Dim> {
   std::vector<SolveReport> solve(std::span<const LaneVector> loads, std::span<LaneVector> solutions) override;
   void set_tolerance(const SolveTolerance& tolerance) override;
   void start_cold() override;
-  void give_back_memory() override;
+  void release_memory() override;
   bool saves_memory() const override { return most_lanes_ < widest_block; }
   static LaneCycle cycle();
   /// For steps in time: a V-cycle, and more for lanes that take long. The capacity, which grows with the

@@ -25,7 +25,7 @@ class RegionHeat : public HeatSolver<Dim> {
   }
   void set_tolerance(const SolveTolerance& tolerance) override { pool_.set_tolerance(tolerance); }
   void start_cold() override { pool_.start_cold(); }
-  void give_back_memory() override { pool_.give_back_memory(); }
+  void release_memory() override { pool_.release_memory(); }
   bool saves_memory() const override { return pool_.whole().saves_memory(); }
 
  private:

@@ -45,8 +45,8 @@ class RegionPool {
     whole_->start_cold();
     for (Region& region : regions_) region.solver->start_cold();
   }
-  void give_back_memory() {
-    current_->give_back_memory();
+  void release_memory() {
+    current_->release_memory();
     KeptLargePages::drop();
   }
 
@@ -91,7 +91,7 @@ template <int Dim, class Solver>
 Solver& RegionPool<Dim, Solver>::use(Solver& solver) {
   if (&solver != current_) {
     const KeptLargePages kept;
-    current_->give_back_memory();
+    current_->release_memory();
   }
   if (tolerance_) solver.set_tolerance(*tolerance_);
   current_ = &solver;

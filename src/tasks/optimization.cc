@@ -75,13 +75,13 @@ FinalReports final_reports(const Setup<Dim>& setup, const Problem<Dim>& problem,
   drop_unwritten_fields(reports.binary);
   // Reports take memory. Planar layers, which need a pipeline of their own, come while there are few, and not
   // beside another pipeline's solvers.
-  last.give_back_memory();
+  last.release_memory();
   reports.baselines = other_baselines(setup, problem, reports.binary, timer);
   reports.optimized =
       report_sequence(setup, problem, last,
                       last.run(repaired ? repaired->design : best.design(), best.beta(), /*binary=*/false));
   reports.optimized.strain = strain_when_built(last);
-  last.give_back_memory();
+  last.release_memory();
   reports.start = start_report(setup, problem, pipeline, best.beta());
   reports.limits = constraint_limits(setup, problem);
   reports.miss = miss_of_best(setup, problem, reports, best);

@@ -31,7 +31,7 @@ std::optional<RepairedSequence<Dim>> repair_sequence(const Setup<Dim>& setup, co
   auto repaired = repair_layers(setup, *pipeline.last_time(), design.layer_variables,
                                 setup.config.optimizer.repair_share);
   if (!repaired) return std::nullopt;
-  pipeline.give_back_memory();
+  pipeline.release_memory();
   Design layers_alone;
   layers_alone.layer_variables = design.layer_variables;
   auto mended =

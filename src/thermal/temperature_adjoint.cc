@@ -79,7 +79,7 @@ void BackwardSteps<Dim>::add_interpass(Block& block, int number) {
     for (std::size_t node = 0; node < of_nodes.size(); ++node)
       block.theta(node, lane) += factor * of_nodes[node];
     std::vector<double>& d_layer =
-        DensityDerivatives::touch(functional.densities->layer[number], weight.size());
+        DensityDerivatives::zeros_if_empty(functional.densities->layer[number], weight.size());
     for (std::size_t e = 0; e < weight.size(); ++e) d_layer[e] += factor * (mean[e] - excess) / total;
   }
 }
@@ -228,14 +228,14 @@ void BackwardSteps<Dim>::add_to_functional(const Block& block, int lane, int num
                                            std::span<const double> of_stage, std::span<const double> of_heat,
                                            double of_mass) const {
   const TemperatureAdjoint& functional = block.functionals[lane];
-  auto& d_stage = DensityDerivatives::touch(functional.densities->stage[number], of_stage.size());
-  auto& d_layer = DensityDerivatives::touch(functional.densities->layer[number], of_heat.size());
+  auto& d_stage = DensityDerivatives::zeros_if_empty(functional.densities->stage[number], of_stage.size());
+  auto& d_layer = DensityDerivatives::zeros_if_empty(functional.densities->layer[number], of_heat.size());
   const double of_density = of_mass * model_.properties.mass_density * model_.part.grid().element_volume();
   for (std::size_t e = 0; e < of_stage.size(); ++e) {
     d_stage[e] += of_stage[e];
     d_layer[e] += of_heat[e] + of_density;
   }
-  if (functional.sink != nullptr) functional.sink->hand_on();
+  if (functional.sink != nullptr) functional.sink->flush();
 }
 
 FABSEQ_INSTANTIATE_CLASS(BackwardSteps);

@@ -39,7 +39,7 @@ const LayerTemperatures& TemperatureSimulation<Dim>::simulate(const LayerDensiti
     result_.share[layer] = model_.properties.strain_share(result_.interpass[layer]);
     result_.share_slope[layer] = model_.properties.strain_share_slope(result_.interpass[layer]);
   }
-  if (solver_->saves_memory()) solver_->give_back_memory();
+  if (solver_->saves_memory()) solver_->release_memory();
   return result_;
 }
 
@@ -78,7 +78,7 @@ void TemperatureSimulation<Dim>::pull_back(const LayerDensities& densities,
                                            std::span<const TemperatureAdjoint> functionals) {
   if (functionals.empty()) return;
   BackwardSteps<Dim>(model_, *solver_, result_, densities, functionals, lanes_).run();
-  if (solver_->saves_memory()) solver_->give_back_memory();
+  if (solver_->saves_memory()) solver_->release_memory();
 }
 
 template <int Dim>
@@ -97,9 +97,9 @@ NeededPauses TemperatureSimulation<Dim>::needed_pauses(const LayerDensities& den
 }
 
 template <int Dim>
-void TemperatureSimulation<Dim>::give_back_memory() {
+void TemperatureSimulation<Dim>::release_memory() {
   result_.after_steps = {};
-  solver_->give_back_memory();
+  solver_->release_memory();
 }
 
 FABSEQ_INSTANTIATE_CLASS(TemperatureSimulation);

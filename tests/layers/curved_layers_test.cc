@@ -152,8 +152,8 @@ struct Functional {
   Functional() {
     for (int j = 0; j < count; ++j)
       for (int e = 0; e < elements; ++e) {
-        DensityDerivatives::touch(weights.stage[j], elements)[e] = test::noise(e, 2 * j) - 0.5;
-        DensityDerivatives::touch(weights.layer[j], elements)[e] = test::noise(e, 2 * j + 1) - 0.5;
+        DensityDerivatives::zeros_if_empty(weights.stage[j], elements)[e] = test::noise(e, 2 * j) - 0.5;
+        DensityDerivatives::zeros_if_empty(weights.layer[j], elements)[e] = test::noise(e, 2 * j + 1) - 0.5;
       }
     weights.stage[2].clear();  // layers nobody touched
     weights.layer[4].clear();

@@ -173,9 +173,9 @@ struct Functional {
     }
     weights.stage[1].clear();  // layers nobody touched
     weights.layer[2].clear();
-    weights.touch_sub_part(densities.sub_parts, 1) = test::noise_field(part, -0.5, 0.5, 99);
+    weights.sub_part_or_zeros(densities.sub_parts, 1) = test::noise_field(part, -0.5, 0.5, 99);
     // What is explicit in the directions, the ranks share.
-    auto& directions = weights.touch_directions(densities.sub_parts);
+    auto& directions = weights.directions_or_zeros(densities.sub_parts);
     for (std::size_t d = 0; d < directions.size(); ++d)
       directions[d] = test::noise(static_cast<std::int64_t>(d), 7) / size_of(PETSC_COMM_WORLD);
   }

@@ -15,7 +15,7 @@ namespace {
 const ElementLattice lattice = {{-1.0, 0.5, 2.0}, {0.5, 0.25, 2.0}};
 
 /// Whether a triangle and a box have a point in common: the triangle is cut off at the six planes.
-bool touch(const std::array<Point<3>, 3>& corners, const Point<3>& low, const Point<3>& high) {
+bool zeros_if_empty(const std::array<Point<3>, 3>& corners, const Point<3>& low, const Point<3>& high) {
   std::vector<Point<3>> polygon(corners.begin(), corners.end());
   for (int axis = 0; axis < 3; ++axis)
     for (const double side : {1.0, -1.0}) {
@@ -55,8 +55,8 @@ TEST(CutElementsTest, RandomTrianglesAgainstClipping) {
     mesh.triangles = {{0, 1, 2}};
     const std::vector<char> marks = cut_elements(mesh, lattice, box);
     box.for_each([&](const Index<3>& element, std::int64_t offset) {
-      EXPECT_EQ(marks[offset] != 0, touch(mesh.corners(0), lattice.point_of(element, {0, 0, 0}),
-                                          lattice.point_of(element, {1, 1, 1})))
+      EXPECT_EQ(marks[offset] != 0, zeros_if_empty(mesh.corners(0), lattice.point_of(element, {0, 0, 0}),
+                                                   lattice.point_of(element, {1, 1, 1})))
           << repeat << " " << to_text<3>(element);
     });
   }

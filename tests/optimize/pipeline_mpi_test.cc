@@ -34,7 +34,7 @@ TYPED_TEST(PipelineTest, GivesBackMemoryWithoutAnyChange) {
   const Design design = kept.wavy_point();
   (void)this->results(kept, design);
   (void)this->results(given, design);
-  given.pipeline.give_back_memory();
+  given.pipeline.release_memory();
   const auto expected = this->results(kept, design), found = this->results(given, design);
   EXPECT_EQ(found.first, expected.first);
   ASSERT_EQ(found.second.size(), 2u);

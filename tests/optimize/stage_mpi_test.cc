@@ -62,7 +62,7 @@ class FactorStage : public Stage<Dim> {
       : comm_(context.model.grid.comm()), elements_(static_cast<double>(context.model.part.count())) {}
 
   void forward(const StageInput& /*input*/, StageResults<Dim>& results) override {
-    const LayerDensities& layers = *results.layers;
+    const LayerDensities& layers = *results.densities;
     std::vector<double> factors;
     for (const std::vector<double>& density : layers.layer) factors.push_back(1.0 + slope * volume(density));
     scaled_.emplace(*results.strains, std::move(factors));
@@ -78,7 +78,7 @@ class FactorStage : public Stage<Dim> {
       for (int j = 0; j < state.layers.count(); ++j) {
         const double d_volume = slope * sum(comm_, first[j]) / elements_;
         auto& d_layer =
-            DensityDerivatives::touch(row->adjoint.densities.layer[j], state.layers.layer[j].size());
+            DensityDerivatives::zeros_if_empty(row->adjoint.densities.layer[j], state.layers.layer[j].size());
         for (double& derivative : d_layer) derivative += d_volume;
       }
       d_inputs.erase(first, d_inputs.end());

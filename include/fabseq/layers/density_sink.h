@@ -29,10 +29,10 @@ class DensitySink {
 
   /// Hands on what has been added by the densities of stages and layers. Collective on the grid's
   /// communicator.
-  void hand_on();
+  void flush();
   /// Hands on the rest, too: what has been added by time points, sub-parts and directions. Collective
   /// likewise.
-  void hand_on_all();
+  void flush_all();
 
  private:
   void pull_back(const DensityDerivatives& derivatives);

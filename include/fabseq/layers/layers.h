@@ -51,18 +51,18 @@ struct DensityDerivatives {
 
   explicit DensityDerivatives(int layers) : stage(layers), layer(layers) {}
   /// The entries of the time points, zeros at first use.
-  std::vector<double>& touch_time_points() { return touch(time_points, stage.size() + 1); }
+  std::vector<double>& time_points_or_zeros() { return zeros_if_empty(time_points, stage.size() + 1); }
   /// The entries of a sub-part's density, zeros at first use.
-  std::vector<double>& touch_sub_part(const SubParts& sub_parts, int number) {
+  std::vector<double>& sub_part_or_zeros(const SubParts& sub_parts, int number) {
     sub_part.resize(static_cast<std::size_t>(sub_parts.count()));
-    return touch(sub_part[number], sub_parts.density[number].size());
+    return zeros_if_empty(sub_part[number], sub_parts.density[number].size());
   }
   /// The entries of the print directions, zeros at first use.
-  std::vector<double>& touch_directions(const SubParts& sub_parts) {
-    return touch(directions, sub_parts.directions.size());
+  std::vector<double>& directions_or_zeros(const SubParts& sub_parts) {
+    return zeros_if_empty(directions, sub_parts.directions.size());
   }
   /// The entries of a layer, zeros at first use.
-  static std::vector<double>& touch(std::vector<double>& entries, std::size_t elements) {
+  static std::vector<double>& zeros_if_empty(std::vector<double>& entries, std::size_t elements) {
     if (entries.empty()) entries.assign(elements, 0.0);
     return entries;
   }

@@ -48,18 +48,18 @@ struct AdjointRow {
   bool own = false;     ///< whether that is this group
   bool shared = false;  ///< uses displacements: every group has a part of it
   PipelineAdjoint<Dim> adjoint;
-  std::vector<double> layer_variables;  ///< derivative by these, this rank's part
+  std::vector<double> layer_variables;  ///< dJ/d(these), this rank's part
   DensitySink sink;                     ///< takes adjoint.densities
-  std::vector<double> field;            ///< derivative by the design's field, in the owner's group
+  std::vector<double> field;            ///< dJ/d(design's field), in the owner's group
   int iterations = 0;                   ///< of the sequence's adjoint, in the owner's group
 };
 
 template <int Dim>
 using AdjointRowSpan = std::span<AdjointRow<Dim>* const>;
 
-/// The rows of one gradient evaluation. Rows are dealt out to the groups: a row's sequence adjoint, and what
-/// is explicit in it but by displacements, belong to its owner. Collective on the world of the model's groups
-/// unless a call says otherwise.
+/// The rows of one gradient evaluation. Rows are dealt out to the groups: its owner group computes a row's
+/// sequence adjoint and all explicit derivatives except those with respect to displacements. Collective on
+/// the world of the model's groups unless a call says otherwise.
 template <int Dim>
 class AdjointRows {
  public:
@@ -72,13 +72,14 @@ class AdjointRows {
   std::vector<AdjointRow<Dim>*> shared();
   /// This group's own rows. Local.
   std::vector<AdjointRow<Dim>*> own();
-  /// Adds what the responses are by each stage's result; what is explicit in the densities is handed on at
-  /// once. Collective on the grid's communicator.
+  /// Adds the responses' explicit derivatives with respect to each stage's results; those with respect to the
+  /// densities are flushed at once. Collective on the grid's communicator.
   void add_explicit(AdjointRow<Dim>& row) const;
-  /// Sums up the parts that the groups have of the shared rows' derivatives by the pseudo-time, at their
+  /// Sums up the groups' parts of the shared rows' derivatives with respect to the pseudo-time, at the rows'
   /// owners.
   void sum_at_owners();
-  /// The gradients by this rank's share of `variables` design variables, and by the layers' variables.
+  /// Gradients with respect to this rank's share of `variables` design variables and to the layers'
+  /// variables.
   std::vector<Design> gradients(std::size_t variables);
   /// Iterations of the sequence's adjoints, an entry per row.
   std::vector<int> iterations() const;

@@ -50,7 +50,7 @@ class Pipeline {
   const PseudoTime<Dim>* last_time() const { return results_.time; }
   /// Number of the layer of each part element in the last run that has a pseudo-time (Layers::layer_index()).
   std::vector<double> last_layer_index() const {
-    return results_.cut->layer_index(results_.time->time, *results_.layers);
+    return results_.layers->layer_index(results_.time->time, *results_.densities);
   }
   /// Values of all components of each of `responses`.
   std::vector<std::vector<double>> values(Responses<Dim> responses, const PipelineState<Dim>& state);
@@ -59,7 +59,7 @@ class Pipeline {
                                 const std::vector<GradientRow>& rows);
   /// Gives back the memory of the solvers and of the last run's layers, which gradients and reports need. Not
   /// collective.
-  void give_back_memory();
+  void release_memory();
   /// Later runs and gradients are solved to these tolerances; the constructor's is all of them. Which layers
   /// are negligible stays as it was: that is part of the model.
   void set_tolerances(const Tolerances& tolerances) { tolerances_ = tolerances; }

@@ -21,7 +21,7 @@ class ProcessStage : public Stage<Dim> {
   Phase phase() const override { return Phase::primal; }
   Phase adjoint_phase() const override { return Phase::adjoint; }
   void start_cold() override { simulation_.start_cold(); }
-  void give_back_memory() override { simulation_.give_back_memory(); }
+  void release_memory() override { simulation_.release_memory(); }
   /// By what work the layers are dealt out next.
   void save(CheckpointState& state) const override;
   void restore(const CheckpointState& state) override;

@@ -20,10 +20,10 @@ class SequenceStage : public Stage<Dim> {
   void forward(const StageInput& input, StageResults<Dim>& results) override;
   void pull_back(const PipelineState<Dim>& state, const SolveTolerance& tolerance,
                  AdjointRowSpan<Dim> rows) override;
-  bool is_of_owner() const override { return true; }
+  bool runs_in_owner_group() const override { return true; }
   Phase phase() const override { return Phase::heat; }
   void start_cold() override { sequence_->start_cold(); }
-  void give_back_memory() override { sequence_->give_back_memory(); }
+  void release_memory() override { sequence_->release_memory(); }
   void add_iterations(SolverIterations& iterations) const override;
 
  private:

@@ -34,8 +34,8 @@ struct StageInput {
 template <int Dim>
 struct StageResults {
   const PseudoTime<Dim>* time = nullptr;
-  const Layers* cut = nullptr;  ///< the layers that `layers` are the densities of
-  const LayerDensities* layers = nullptr;
+  const Layers* layers = nullptr;
+  const LayerDensities* densities = nullptr;
   const LayerTemperatures* temperatures = nullptr;  ///< null without a block `thermal`
   const StrainSource<Dim>* strains = nullptr;
   const ProcessResult* process = nullptr;
@@ -56,20 +56,21 @@ class Stage {
 
   /// Makes the stage's results from those of the stages before. They stay valid until the next call.
   virtual void forward(const StageInput& input, StageResults<Dim>& results) = 0;
-  /// For each row, adds what its derivatives by this stage's results amount to by those of the stages before.
-  /// Solves go to `tolerance`. Rows that are not shared have nothing by the process or the strains.
+  /// Applies the transposed Jacobian: maps each row's derivatives with respect to this stage's results to
+  /// derivatives with respect to its inputs, and adds them. Solves go to `tolerance`. Rows that are not
+  /// shared have none with respect to the process or the strains.
   virtual void pull_back(const PipelineState<Dim>& state, const SolveTolerance& tolerance,
                          AdjointRowSpan<Dim> rows) = 0;
   /// Whether a row goes back through the stage in its owner's group alone: pull_back() is then collective on
   /// the grid's communicator. Such stages come first.
-  virtual bool is_of_owner() const { return false; }
+  virtual bool runs_in_owner_group() const { return false; }
   /// What its time counts for.
   virtual Phase phase() const = 0;
   virtual Phase adjoint_phase() const { return phase(); }
   /// Forgets what earlier solves have left for later ones.
   virtual void start_cold() {}
   /// Gives back memory that the next forward() takes again.
-  virtual void give_back_memory() {}
+  virtual void release_memory() {}
   /// What start_cold() leaves and a continued run needs, under names of the stage's own.
   virtual void save(CheckpointState& /*state*/) const {}
   virtual void restore(const CheckpointState& /*state*/) {}
@@ -92,8 +93,9 @@ struct StageCost {
   double solving =
       0.0;            ///< memory while it solves, all ranks, bytes; with few lanes one stage at a time has it
   double work = 0.0;  ///< time of the slowest group, in units of a full block of layers on one rank
-  double work_beside = 0.0;  ///< what the other groups do meanwhile, the sum of their times, in these units
-  double seconds = 0.0;      ///< per design iteration, all ranks busy
+  double work_of_other_groups =
+      0.0;               ///< what the other groups do meanwhile, the sum of their times, in these units
+  double seconds = 0.0;  ///< per design iteration, all ranks busy
 };
 
 /// What is known of a type of stage. Names of results: design, time, layers, temperatures, strains, process,

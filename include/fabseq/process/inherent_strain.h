@@ -39,8 +39,8 @@ class InherentStrain : public StrainSource<Dim> {
                        std::span<const double> d_strains, std::span<double> d_inputs) const override;
 
   bool turns() const { return turned_.has_value(); }
-  /// Takes derivatives by the inputs on, for strains that turn: to `d_gradient`, laid out as the gradients of
-  /// set(), or, with sub-parts, to `d_densities`.
+  /// Maps derivatives with respect to the inputs, for strains that turn: to `d_gradient`, laid out as the
+  /// gradients of set(), or, with sub-parts, to `d_densities`.
   void pull_back(std::span<const double> gradient, const LayerDensities& layers,
                  std::span<const double> d_inputs, std::vector<double>& d_gradient,
                  DensityDerivatives& d_densities) const;

@@ -30,7 +30,7 @@ class LayerElements {
                 LaneVector& load) const;
   /// Adds dJ/drho_j,e = E' lambda^T K_0 du and dJ/d(drho_j,e) = -q drho^(q-1) lambda^T f_0 for the increments
   /// du of the block and its adjoints lambda, and, unless `d_inputs` is empty, what dJ/d(strain) amounts to
-  /// by the inputs of `strains`, this rank's part. Collective.
+  /// with respect to the inputs of `strains`, this rank's part. Collective.
   void add_derivatives(const LayerDensities& densities, const BlockRegion& region,
                        const StrainSource<Dim>& strains, const LaneVector& increments,
                        const LaneVector& adjoints, DensityDerivatives& derivatives,

@@ -13,7 +13,7 @@
 
 namespace fabseq {
 
-/// The derivative of a functional by the displacements of a combination of strain cases.
+/// The derivative of a functional with respect to the displacements of a combination of strain cases.
 struct ProcessAdjoint {
   std::vector<double> displacement;      ///< dJ/du, [owned node][component]; empty: zero
   std::vector<LaneVector> increments;    ///< dJ/d(counted increment) on top, like ProcessResult; empty: zero
@@ -33,10 +33,10 @@ std::vector<ProcessAdjoint> reduced(std::vector<ProcessAdjoint> functionals, std
 LaneVector weight_derivatives(const ProcessAdjoint& functional, const ProcessResult& result,
                               std::size_t block, const LaneVector& increments);
 
-/// Where the derivatives of a functional by densities and strains go.
+/// Where the derivatives of a functional with respect to densities and strains go.
 struct ProcessDerivatives {
   DensityDerivatives* densities = nullptr;
-  std::vector<double>* strains = nullptr;  ///< by the inputs of the simulation's StrainSource, sized at first
+  std::vector<double>* strains = nullptr;  ///< dJ/d(inputs of the StrainSource), sized at first
                                            ///< use; nullptr: not asked for
   DensitySink* sink = nullptr;  ///< takes `densities` after each block of layers; nullptr: they stay there
 };

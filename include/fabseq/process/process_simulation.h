@@ -69,7 +69,7 @@ class ProcessSimulation {
   std::vector<double> reactions(const LayerDensities& densities, std::size_t number = 0) const;
   /// Gives back the memory of the last simulation's increments and of the solver; pull_back(), reactions()
   /// and increment() need a further simulation. Not collective.
-  void give_back_memory();
+  void release_memory();
   /// That of the last simulation, for CountedAs.
   ProcessResult& result() { return result_; }
   /// Strains of the last simulation, as given.
@@ -100,9 +100,9 @@ class ProcessSimulation {
     const ProcessDerivatives* to = nullptr;
     std::vector<double> motion;  ///< of the supports in its adjoints, [owned node][component]; empty: none
   };
-  /// Vectors that one block leaves to the next.
-  struct Room {
-    explicit Room(SolveCount& count_) : count(count_) {}
+  /// Scratch vectors reused from block to block.
+  struct Workspace {
+    explicit Workspace(SolveCount& count_) : count(count_) {}
 
     std::vector<LaneVector> loads, solutions;
     LaneVector increments;                    ///< on all owned nodes
@@ -111,13 +111,13 @@ class ProcessSimulation {
     SolveCount& count;
   };
   int owned_nodes() const;
-  void solve_block(const LayerDensities& densities, std::size_t number, Room& room);
+  void solve_block(const LayerDensities& densities, std::size_t number, Workspace& workspace);
   void pull_back_block(const LayerDensities& densities, std::size_t number,
-                       std::span<const Functional> functionals, Room& room);
+                       std::span<const Functional> functionals, Workspace& workspace);
   void solve_adjoints(const LayerDensities& densities, std::size_t number,
-                      std::span<const Functional* const> functionals, Room& room);
+                      std::span<const Functional* const> functionals, Workspace& workspace);
   void add_derivatives(const LayerDensities& densities, std::size_t number, const Functional& functional,
-                       const LaneVector* adjoint, Room& room) const;
+                       const LaneVector* adjoint, Workspace& workspace) const;
   /// A field of a solve that the first group does for all: a single right-hand side cannot be shared out.
   std::vector<double> in_first_group(const std::function<std::vector<double>()>& solve);
   void set_operators(const LayerDensities& densities, const BlockRegion& region, bool changed);

@@ -38,8 +38,8 @@ struct PipelineAdjoint {
   DensityDerivatives densities;  ///< by stage and layer densities, time points, sub-parts and directions
   TimeDerivatives time;          ///< by t and grad t; empty while zero
 
-  std::vector<double>& touch_interpass(int layers) {
-    return DensityDerivatives::touch(interpass, static_cast<std::size_t>(layers));
+  std::vector<double>& interpass_or_zeros(int layers) {
+    return DensityDerivatives::zeros_if_empty(interpass, static_cast<std::size_t>(layers));
   }
 };
 

@@ -91,8 +91,8 @@ class Sequence {
   virtual void set_tolerance(const SolveTolerance& /*tolerance*/) {}
   /// Forgets what earlier solves left for later ones (HeatSolver::start_cold()).
   virtual void start_cold() {}
-  /// Gives back memory that solves can take again (HeatSolver::give_back_memory()).
-  virtual void give_back_memory() {}
+  /// Gives back memory that solves can take again (HeatSolver::release_memory()).
+  virtual void release_memory() {}
   /// Solver iterations of the last pull_back(), one entry per row; empty without solves.
   virtual std::vector<int> adjoint_iterations() const { return {}; }
 };

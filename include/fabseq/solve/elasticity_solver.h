@@ -42,7 +42,7 @@ class ElasticitySolver {
   virtual void start_cold() = 0;
 
   /// Gives back what it can take again, its operator included. Changes no result. Not collective.
-  virtual void give_back_memory() {}
+  virtual void release_memory() {}
   /// Whether it is to give back memory whenever other phases come before the next solve.
   virtual bool saves_memory() const { return false; }
 

@@ -60,7 +60,7 @@ class TemperatureSimulation {
   void start_cold() { solver_->start_cold(); }
   /// Gives back the memory of the last simulation's steps and of the solver; pull_back() needs a further
   /// simulation. Not collective.
-  void give_back_memory();
+  void release_memory();
 
  private:
   void run(const LayerDensities& densities);
