@@ -45,11 +45,14 @@ def layer_table(layer, count, thickness, element_volume, spread):
 
 def block(objective, constraint, layers, displacement):
     norms = np.sqrt((displacement**2).sum(axis=-1))
+    size = {"max": float(norms.max()), "rms": float(np.sqrt((norms**2).mean()))}
+    distortion = {"name": "objective_0", "type": "distortion", "value": objective, "length": math.sqrt(objective)}
     return {"responses": [{"name": "objective_0", "type": "distortion", "value": objective},
                           {"name": "objective_1", "type": "layer_uniformity", "value": 0.3},
                           {"name": "constraint_0_0", "type": "layer_thickness", "value": constraint}],
             "layers": layers,
-            "displacement": {"max": float(norms.max()), "rms": float(np.sqrt((norms**2).mean()))}}
+            "displacement": size,
+            "deposition": {"follow": {"displacement": size, "distortion": [distortion]}, "nominal": None}}
 
 
 def history(path, iterations, planar):
@@ -110,6 +113,7 @@ def write_run(directory, name, density, size, count=12, planar_count=10, iterati
     config = {"name": name, "domain": {"size": list(size), "elements": list(counts)},
               "build_plate": "z-" if dimension == 3 else "y-",
               "node_sets": {"top_edge": {"box": {"min": [size[0], *[0.0] * (dimension - 2), top], "max": list(size)}}},
+              "process": {"deposition": "follow"},
               "objective": [{"type": "distortion", "measure": "displacement", "nodes": "top_edge", "mean": False},
                             {"type": "layer_uniformity"}],
               "constraints": [{"type": "layer_thickness", "target": target, "tolerance": 0.1}]}

@@ -114,7 +114,7 @@ class GeometricThicknessTest(unittest.TestCase):
                          nodes_as="nodal_time", location=location)
             self.assertAlmostEqual(self.measure()["layers"][1]["mean"], thickness, delta=5e-3)
         write_result(self.directory, (1.0, 1.0), np.ones((10, 10), bool), y, 4, nodes=nodes, nodes_as="design", location="nodes")
-        with self.assertRaisesRegex(RunError, "lacks the dataset nodal_time, so an older version of fabseq"):
+        with self.assertRaisesRegex(RunError, "lacks the dataset nodal_time; repeat the run"):
             self.measure()
 
     def test_time_points_of_the_file(self):

@@ -234,7 +234,7 @@ class Figures(unittest.TestCase):
                 self.assertEqual(cells["layers used"][1], str(len(np.unique(file["layer"][:]))))
 
     def test_measured_nodes_are_those_of_the_program(self):
-        """All sets are known but those that are too large to mark; results of older programs are refused."""
+        """All sets are known but those that are too large to mark; results without them are refused."""
         with tempfile.TemporaryDirectory() as folder:
             fake_results.write_run(folder, "cube", np.ones((2, 2, 2)), (1.0, 1.0, 1.0))
             self.assertEqual(list(measured_nodes(Run(folder))), [18 + 2, 18 + 5, 18 + 8])
@@ -246,7 +246,7 @@ class Figures(unittest.TestCase):
 
                 fake_results.change(folder, "config.json", rename)
                 if expected:
-                    with self.assertRaisesRegex(RunError, "lacks the dataset model/node_sets/.*, so an older version"):
+                    with self.assertRaisesRegex(RunError, "lacks the dataset model/node_sets/.*; repeat the run"):
                         measured_nodes(Run(folder))
                     with h5py.File(os.path.join(folder, "result.h5"), "r+") as file:
                         file["model/node_sets/" + name] = expected
@@ -256,7 +256,7 @@ class Figures(unittest.TestCase):
             fake_results.change(folder, "config.json", lambda config: config.update(node_sets={"skin": polygon}))
             done = run("overview", folder)
             self.assertEqual(done.returncode, 0, done.stderr)
-            self.assertIn("warning: result.h5: lacks the dataset model/node_sets/skin, so", done.stderr)
+            self.assertIn("warning: result.h5: lacks the dataset model/node_sets/skin; repeat", done.stderr)
 
 
 if __name__ == "__main__":

@@ -21,7 +21,6 @@ from fabseq_tools.run.command_line import RunError
 from fabseq_tools.run.settings import put
 from fabseq_tools.study.comparison import strains
 from fabseq_tools.study.families import Families
-from fabseq_tools.study.figures import row_of
 from fabseq_tools.study.rounds import Rounds
 from fabseq_tools.study.tradeoff import LIMITS, later_schedule, values_of
 from fabseq_tools.run.read_run import Run
@@ -228,11 +227,6 @@ class CompareFamilies(StudyTest):
         self.assertEqual(config, {"objective": objective, "tool": {"max_tilt": 60}, "layers": {"count": 3}})
         for path, found in (("objective.tilt.weight", "found no entry tilt"), ("layers.count.more", "found 3 for count")):
             self.assertRaisesRegex(RunError, f"part.json: {path}: {found}", put, config, path, 1, "part.json")
-
-    def test_an_older_result(self):
-        """It has no verdict, and no other rule takes its place."""
-        run = type("Older", (), {"name": "hook", "summary": {"binary": {}}})
-        self.assertRaisesRegex(RunError, "hook: found a result without a verdict", row_of, run, 1.0)
 
     def test_a_damaged_config(self):
         path = self.write_config("{}", "empty.json")

@@ -18,7 +18,7 @@ VOIGT = {3: ((0, 0), (1, 1), (0, 1)), 6: ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2)
 class LayerModel:
     """The elements and nodes of a run, in the config's coordinates. Elements are [z][y][x], nodes are
     numbered x fastest; `supports`: those that are held; `there`: which elements there are; `solid`: those of
-    part and substrate. Raises RunError where the directory holds no result, or one of an older program."""
+    part and substrate. Raises RunError where the directory holds no whole result."""
 
     def __init__(self, directory):
         self.config = Run(directory, with_fields=False, simulations=True).config
@@ -45,7 +45,7 @@ class LayerModel:
             raise RunError(f"{self.path} cannot be read: {error}") from error
 
     def needed(self, name, remedy=None):
-        """The same; raises RunError with the remedy, by default for a result of an older program."""
+        """The same; raises RunError with the remedy, by default to repeat the run."""
         values = self.read(name)
         if values is None:
             raise RunError(f"{self.path}: lacks the dataset {name}; {remedy}") if remedy else lacking(name, self.path)

@@ -9,7 +9,7 @@ from fabseq_tools.run.read_run import lacking
 
 def nodal_time(file, config, group=""):
     """Pseudo-time of the nodes of a sequence in result.h5, and in words where it comes from. `group`: of the
-    sequence's datasets, as start/. Raises RunError for a result of an older program."""
+    sequence's datasets, as start/. Raises RunError if the result lacks them."""
     if group + "temperature" in file:
         return 1.0 - file[group + "temperature"][()], "temperature of the nodes"
     if group + "nodal_time" in file:

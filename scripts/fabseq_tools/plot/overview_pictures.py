@@ -79,7 +79,7 @@ def pins_of(run, view, places):
 
 
 def marked_nodes(run):
-    """The measured nodes; none, with a warning, of a result of an older program."""
+    """The measured nodes; none, with a warning, if the result lacks them."""
     try:
         return measured_nodes(run)
     except RunError as error:

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """What a report says of a run in words: its headline, what was run, how it ended."""
 
-import math
-
 from fabseq_tools.run.misses import worst_miss
 from fabseq_tools.run.verdict_words import misses_constraints
 from fabseq_tools.run.words import duration, less, number, quantity
@@ -22,8 +20,8 @@ def unit_of(run):
 
 
 def model_of(run):
-    """The deposition model of the run; configs without the key are older than it."""
-    return run.config.get("process", {}).get("deposition", "follow")
+    """The deposition model of the run."""
+    return run.config["process"]["deposition"]
 
 
 def states_of(run):
@@ -36,12 +34,7 @@ class Figures:
 
     def __init__(self, run, state, model):
         block = run.summary.get(state, {})
-        figures = block.get("deposition", {}).get(model)
-        if figures is None and model == model_of(run):
-            terms = [r for r in block.get("responses", []) if r["type"] == "distortion" and r["name"].startswith("objective")]
-            figures = {"displacement": block.get("displacement"),
-                       "distortion": [{**r, "length": math.sqrt(r["value"])} for r in terms]}
-        figures = figures or {}
+        figures = block.get("deposition", {}).get(model) or {}
         self.lengths = {term["name"]: term["length"] for term in figures.get("distortion") or []}
         self.part, self.nodes = figures.get("displacement") or {}, figures.get("nodes") or {}
 

@@ -14,8 +14,7 @@ def worst_miss(run, values):
     """The largest miss of a constraint in a line of the history, or in its `binary`, below 0 where all
     hold: of a count the share of the part beyond its limit, of others relative to what is allowed. The
     bounds are those that summary.json has (docs/reference.md). The program's own figure mixes these with
-    logarithms of counts; it stays where there are no constraints, or where an older program has not written
-    their bounds."""
+    logarithms of counts; it stays where there are no constraints."""
     constraints = run.summary.get("constraints")
     if not constraints:
         return values["worst_constraint"]

@@ -102,9 +102,9 @@ def target_thickness(config):
 
 
 def lacking(dataset, path):
-    """The error for a dataset that results of older programs do not have."""
-    return RunError(f"{path}: lacks the dataset {dataset}, so an older version of fabseq has written it; repeat the run, or "
-                    "simulate its design again with -task simulate -design FILE")
+    """The error for a dataset that every result has."""
+    return RunError(f"{path}: lacks the dataset {dataset}; repeat the run, or simulate its design again with -task simulate "
+                    "-design FILE")
 
 
 def text_of_run(directory, name):

@@ -33,9 +33,6 @@ def row_of(run, target):
     `places`: in words, where it cannot be built. Keys of what the run does not have are None."""
     state = result_of(run)
     block = run.summary[state]
-    if "verdict" not in block:
-        raise RunError(f"{run.name}: found a result without a verdict, of an older version of fabseq; remove its folder, and "
-                       "it is made anew")
     keys = {"skin": ("finished", "as_built", "skin", "rms"), "skin_released": ("finished", "released", "skin", "rms"),
             "outside": ("checks", "local_thickness", "share_outside"),
             "blocked": ("checks", "blocked", "elements"), "hanging": ("checks", "hanging", "elements")}

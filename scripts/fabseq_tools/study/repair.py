@@ -54,8 +54,8 @@ def judged_run(directory):
     """Raises RunError for a run whose layers the program has not judged or cannot mend."""
     run = Run(directory, with_fields=False, simulations=True)
     if verdicts.class_of(verdicts.verdict_of(run.summary.get(result_of(run)))) is None:
-        raise RunError(f"{os.path.join(directory, 'summary.json')}: {result_of(run)}: found no class of the verdict, as an older "
-                       "version of fabseq wrote it; repeat the run")
+        raise RunError(f"{os.path.join(directory, 'summary.json')}: {result_of(run)}: found no class of the verdict; "
+                       "repeat the run")
     if run.config.get("layers", {}).get("type") == "multi_planar":
         raise RunError(f"{directory}: /layers/type is multi_planar, and such layers have no times to change; "
                        "allowed: curved layers")
