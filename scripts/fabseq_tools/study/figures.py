@@ -8,7 +8,7 @@ import os
 import numpy as np
 
 from fabseq_tools.run.check_words import inner, percent, result_of, share_beyond, tilt_limit, torch
-from fabseq_tools.run.command_line import RunError, write_json, write_rows
+from fabseq_tools.run.command_line import write_json, write_rows
 from fabseq_tools.run.verdict_words import class_of, in_short, place_lines
 from fabseq_tools.run.words import duration, number
 
