@@ -2,17 +2,18 @@
 # SPDX-License-Identifier: MIT
 """Checks how comments and commits are written: scripts/dev/check_comments.py [PROJECT]
 
-Derivatives are "with respect to" something, never "by" it. A paragraph of a comment fills its lines: none is left
-short, as formatters tear a line that has become too long. Verbs begin what a function's comment says; these
-nouns never do (NOUNS). Subjects of the last commits (RECENT) have at most LONGEST signs and begin with a capital
-letter. Prints each offence as FILE:LINE: TEXT; exit status 1 if there is one."""
+Derivatives are "with respect to" something, never "by" it. A paragraph of a comment fills its lines: none is
+left short, as formatters tear a line that has become too long. Subjects of the last commits (RECENT) have at
+most LONGEST signs and begin with a capital letter. Prints each offence as FILE:LINE: TEXT; exit status 1 if
+there is one."""
 
 import re
 import subprocess
 import sys
 from pathlib import Path
 
-BY = re.compile(r"\b(derivatives?|gradients?)\b( of [^.,;:()]{1,60})? by (?!adjoints|differences|the adjoint|finite|hand)", re.IGNORECASE)
+BY = re.compile(r"\b(derivatives?|gradients?)\b( of [^.,;:()]{1,60})? by (?!adjoints|differences|the adjoint|finite|hand)",
+                re.IGNORECASE)
 COMMENT = re.compile(r"^(\s*///?)(?: (?! )(.*))?$")
 ENDS = re.compile(r"^(\\|- |\d\. |SPDX|NOLINT|clang-format)")
 WIDTH = 110

@@ -5,8 +5,8 @@
     --since COMMIT  the change: all files that differ from this commit, new ones included
     --sources       sources of the program that changed or include what changed, one a line, for
                     scripts/dev/lint.sh --tidy
-    --tests         a regular expression for ctest -R: unit tests that changed, that include what changed, or that
-                    include the header beside a source that changed; nothing where there is none
+    --tests         a regular expression for ctest -R: unit tests that changed, that include what changed, or
+                    that include the header beside a source that changed; nothing where there is none
 
 What a file includes counts to any depth. Runs of the whole program belong to no file: --tests names none."""
 

@@ -24,7 +24,8 @@ class CommentsTest(unittest.TestCase):
 
     def test_a_line_that_a_formatter_tore(self):
         self.assertEqual([number for number, _ in offences(FULL.rstrip(), "/// torn", FULL.rstrip(), "/// end.")], [2])
-        self.assertEqual(offences("  /// End.", "  ///", "  /// New paragraph.", "  /// \\param x  one", "  /// \\param y  other"), [])
+        self.assertEqual(offences("  /// End.", "  ///", "  /// New paragraph.", "  /// \\param x  one",
+                                  "  /// \\param y  other"), [])
         self.assertEqual(offences("// SPDX-License-Identifier: MIT", "/// \\file", "/// What it holds."), [])
 
     def test_subjects_of_commits(self):

@@ -43,15 +43,16 @@ class TouchedTest(unittest.TestCase):
         self.assertEqual(self.touched_by("src/part/part.cc"), (["src/part/part.cc"], []))
 
     def test_a_header_touches_all_that_includes_it_at_any_depth(self):
-        self.assertEqual(self.touched_by("include/fabseq/grid/range.h"), (["src/grid/box.cc", "src/part/part.cc"], ["box_test"]))
+        self.assertEqual(self.touched_by("include/fabseq/grid/range.h"),
+                         (["src/grid/box.cc", "src/part/part.cc"], ["box_test"]))
         self.assertEqual(self.touched_by("tests/support/share.h"), ([], ["fill_mpi_test"]))
 
     def test_other_files_touch_nothing(self):
         self.assertEqual(self.touched_by("README.md", "src/gone.cc"), ([], []))
 
     def git(self, *words):
-        subprocess.run(["git", "-c", "user.name=nobody", "-c", "user.email=nobody@example.org", *words], cwd=self.root, check=True,
-                       capture_output=True)
+        subprocess.run(["git", "-c", "user.name=nobody", "-c", "user.email=nobody@example.org", *words], cwd=self.root,
+                       check=True, capture_output=True)
 
     def test_a_change_is_what_git_sees_and_new_files(self):
         self.git("init", "-q")
