@@ -17,7 +17,7 @@ packages=(g++ cmake ninja-build pkg-config petsc-dev libopenmpi-dev openmpi-bin 
   lib3mf-dev libzip-dev libexpat1-dev libhwloc-dev libgtest-dev libopenblas0-serial)
 module_packages=(pybind11-dev python3-dev)
 tool_packages=(python3-numpy python3-scipy python3-h5py python3-matplotlib python3-paraview xvfb)
-ci_packages=(clang-format clang-tidy doxygen flake8 python3-autopep8 mandoc chromium calculix-ccx locales
+ci_packages=(git clang-format clang-tidy doxygen flake8 python3-autopep8 mandoc chromium calculix-ccx locales
   dpkg-dev file python3-mpi4py)
 slurm_packages=()
 preset=release

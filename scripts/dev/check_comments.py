@@ -8,6 +8,7 @@ most LONGEST signs and begin with a capital letter. Prints each offence as FILE:
 there is one."""
 
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -50,6 +51,8 @@ def offences_of(lines):
 
 
 def subjects(root):
+    if not shutil.which("git"):
+        return []
     git = ["git", "log", f"-{RECENT}", "--no-merges", "--format=%s"]
     done = subprocess.run(git, cwd=root, capture_output=True, text=True, check=False)
     return done.stdout.splitlines()  # none outside a repository

@@ -7,9 +7,9 @@ cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 source scripts/environment.sh
 
 record=.ci/full_run
-is_committed() { [[ -d .git || -f .git ]] && [[ -z $(git status --porcelain) ]]; }
-commit=
-! is_committed || commit=$(git rev-parse HEAD)
+commit=$(git rev-parse HEAD 2>/dev/null) || commit= # no git, or not its files
+is_committed() { [[ -n $commit && -z $(git status --porcelain) ]]; }
+is_committed || commit=
 
 # Tests wait for processes and files much of the time: the build with sanitizers goes on beside the first ones, clang-tidy
 # beside the others, in the time that these leave.
@@ -24,7 +24,7 @@ bash scripts/test.sh --preset sanitizers -R . || status=1
 wait $tidy || { cat "$tidy_log"; status=1; }
 ((status == 0)) || exit $status
 echo "all tests, all with sanitizers, clang-tidy: passed after $((SECONDS / 60)) min"
-if [[ -n $commit ]] && is_committed; then
+if is_committed; then
   printf '%s passed all of scripts/test.sh --all on %s, in %d min on %d cores\n' "$commit" "$(date -u +%F)" $((SECONDS / 60)) \
     "$(core_count)" >$record
 fi
