@@ -46,7 +46,7 @@ def layer_table(layer, count, thickness, element_volume, spread):
 def block(objective, constraint, layers, displacement):
     norms = np.sqrt((displacement**2).sum(axis=-1))
     size = {"max": float(norms.max()), "rms": float(np.sqrt((norms**2).mean()))}
-    distortion = {"name": "objective_0", "type": "distortion", "value": objective, "length": math.sqrt(objective)}
+    distortion = {"name": "objective_0", "value": objective, "length": math.sqrt(objective)}
     return {"responses": [{"name": "objective_0", "type": "distortion", "value": objective},
                           {"name": "objective_1", "type": "layer_uniformity", "value": 0.3},
                           {"name": "constraint_0_0", "type": "layer_thickness", "value": constraint}],
