@@ -27,13 +27,12 @@ def paragraphs(lines):
     found, indent = [], None
     for number, line in enumerate(lines, 1):
         match = COMMENT.match(line)
-        text = match[2] if match else None
-        text = None if text == "\\file" else text
+        text = match[2] if match and match[2] != "\\file" else None
         goes_on = bool(text) and not ENDS.match(text)
         if found and not (goes_on and match[1] == indent):
             yield number - len(found), found
             found = []
-        if text and not (not goes_on and found):
+        if text:
             indent = match[1]
             found.append((line, text))
     if found:

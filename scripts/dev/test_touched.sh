@@ -10,7 +10,9 @@ source scripts/environment.sh
 
 read -r commit _ <.ci/full_run
 tests=$(scripts/dev/touched.py --since "$commit" --tests)
-mapfile -t sources < <(scripts/dev/touched.py --since "$commit" --sources)
+names=$(scripts/dev/touched.py --since "$commit" --sources)
+sources=()
+[[ -z $names ]] || mapfile -t sources <<<"$names"
 echo "== touched since $commit: ${#sources[@]} sources; unit tests: ${tests:-none}"
 whole_program='^integration\.(simulate|guided)$'
 ((${#sources[@]} == 0)) || tests=${tests:+$tests|}$whole_program

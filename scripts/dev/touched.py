@@ -12,12 +12,12 @@ What a file includes counts to any depth. Runs of the whole program belong to no
 
 import argparse
 import functools
-import re
 import subprocess
 import sys
 from pathlib import Path
 
-INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+\.h)[>"]', re.MULTILINE)
+from check_include_graph import includes
+
 FOLDERS = "include", "src", "tests"  # that names of headers begin in
 
 
@@ -33,8 +33,7 @@ class Tree:
     @functools.lru_cache(maxsize=None)
     def headers(self, path):
         """Headers of the project that a file names itself."""
-        text = (self.root / path).read_text(encoding="utf-8")
-        places = [Path(folder) / name for name in INCLUDE.findall(text) for folder in FOLDERS]
+        places = [Path(folder) / name for _, name in includes(self.root / path) for folder in FOLDERS]
         return [place for place in places if (self.root / place).is_file()]
 
     @functools.lru_cache(maxsize=None)

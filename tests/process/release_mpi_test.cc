@@ -84,9 +84,7 @@ void expect_exact_adjoint(const test::CaseSettings<Dim>& settings) {
   }
   const double expected = test::central_difference(
       [&](double step) {
-        auto moved = strains;
-        moved.values = test::moved(strains.values, step, strain_direction.values);
-        return functional.value(process.simulate(layers, moved));
+        return functional.value(process.simulate(layers, test::moved(strains, step, strain_direction)));
       },
       1e-2);
   EXPECT_NEAR(test::dot(d_strains, strain_direction.values), expected, 1e-6 * std::abs(expected));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "fabseq/process/strain_source.h"
+#include "support/small_parts.h"
 
 #include <cstddef>
 #include <span>
@@ -60,6 +61,13 @@ TableStrain<Dim> product_strain(std::span<const double> of_elements, std::span<c
                        of_steps[step * components + i % components];
   }
   return result;
+}
+
+/// The strains after a step towards others.
+template <int Dim>
+TableStrain<Dim> moved(TableStrain<Dim> strains, double step, const TableStrain<Dim>& direction) {
+  strains.values = moved(strains.values, step, direction.values);
+  return strains;
 }
 
 }  // namespace fabseq::test

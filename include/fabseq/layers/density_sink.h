@@ -27,10 +27,10 @@ class DensitySink {
         d_time_(d_time),
         d_variables_(d_variables) {}
 
-  /// Hands on what has been added by the densities of stages and layers. Collective on the grid's
-  /// communicator.
+  /// Gives the layers the derivatives with respect to densities of stages and layers that have been added.
+  /// Collective on the grid's communicator.
   void flush();
-  /// Hands on the rest, too: what has been added by time points, sub-parts and directions. Collective
+  /// Gives them the rest, too: those with respect to time points, sub-parts and directions. Collective
   /// likewise.
   void flush_all();
 
