@@ -71,13 +71,13 @@ endfunction()
 # What to run after which kind of change: LABEL=REGEX of MODULE/NAME.
 set(FABSEQ_LABELS
     "kernels=^(kernels|ranks|multigrid|islands|cg|fem)/"
-    "gradients=^(responses|layers|process|sequence|optimize)/|^integration/integration.(gradient|guided|reference|squares|direct|deposition|sensitivity)"
+    "gradients=^(responses|layers|process|sequence|chain|optimize)/|^integration/integration.(gradient|guided|reference|squares|direct|deposition|sensitivity)"
     "files=^(files|faults|config|keys)/|^integration/integration.(errors|hostile_input|mesh|model_group|outputs|reruns|restart|stop|failures|simulate|locale|locks)"
     "scripts=^scripts/|^integration/integration.(benchmarks|calculix|calibrate|compensate|orient|pictures|readme|slurm|install|package)"
     "evidence=^evidence/"
     "indices=^(base/mpi|grid|part|solve|files|sequence)"
     "slurm=^integration/integration.slurm"
-    "quick=^(base|keys|parallel|grid|mesh|part|files|fem|solve|sequence|layers|machine|process|responses|config|mma|optimize|report|repair)/|^scripts/")
+    "quick=^(base|keys|parallel|grid|mesh|part|files|fem|solve|sequence|layers|machine|process|responses|config|mma|model|chain|optimize|report|repair)/|^scripts/")
 # What scripts/test.sh --all has beside the tests that each change must pass: commands of the pages, campaigns, packages,
 # studies and pictures, Slurm, and four ranks where two have the same code.
 set(FABSEQ_THOROUGH "^integration/integration.(calibrate.*|check_picture|compensate|configs|install|leaks|multi_planar|orient|own_kinds|package|pictures|python|readme|sensitivity|slurm|stop|welded_back)$")

@@ -16,7 +16,7 @@ from pathlib import Path
 
 MODULES = ["base", "keys", "parallel", "grid", "mesh", "part", "files", "fem", "kernels", "ranks", "multigrid",
            "islands", "cg", "solve", "sequence", "layers", "machine", "process", "thermal", "responses", "mma",
-           "optimize", "report", "repair", "config", "output", "tasks", "python"]
+           "model", "chain", "optimize", "report", "repair", "config", "output", "tasks", "python"]
 ENGINE = {"kernels", "ranks", "multigrid", "islands", "cg"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*(?:[<"](fabseq/[^>"]+)[>"]|"([a-z_]+/[^"]+)")')
 

@@ -6,7 +6,7 @@
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/refusal.h"
 #include "fabseq/base/session.h"
-#include "fabseq/optimize/run_cost.h"
+#include "fabseq/model/run_cost.h"
 #include "fabseq/part/wall_thickness.h"
 #include "fabseq/process/release.h"
 #include "fabseq/responses/response_type.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/base/formatted.h"
 #include "fabseq/keys/section.h"
-#include "fabseq/optimize/model_settings.h"
+#include "fabseq/model/model_settings.h"
 #include "fabseq/optimize/optimizer_settings.h"
 #include "fabseq/responses/response_type.h"
 #include "fabseq/sequence/sequence_kind.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "fabseq/optimize/model.h"
+#include "fabseq/model/model.h"
 #include "fabseq/report/build_report.h"
 
 #include <array>

@@ -3,8 +3,8 @@
 
 #include "fabseq/base/error.h"
 #include "fabseq/base/mpi.h"
+#include "fabseq/chain/stages.h"
 #include "fabseq/grid/element_halo.h"
-#include "fabseq/optimize/stages.h"
 #include "fabseq/part/rigid_motions.h"
 #include "fabseq/process/release.h"
 #include "fabseq/responses/response_type.h"

@@ -2,7 +2,7 @@
 #include "fabseq/report/temperature_report.h"
 
 #include "fabseq/base/mpi.h"
-#include "fabseq/optimize/part_temperature.h"
+#include "fabseq/chain/part_temperature.h"
 
 #include <algorithm>
 #include <limits>

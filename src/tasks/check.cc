@@ -4,7 +4,7 @@
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 #include "fabseq/machine/holes.h"
-#include "fabseq/optimize/stage.h"
+#include "fabseq/model/stage_cost.h"
 #include "fabseq/part/wall_thickness.h"
 #include "fabseq/report/verdict.h"
 #include "fabseq/sequence/geodesic_distance.h"
@@ -76,9 +76,9 @@ void print_temperature(const Setup<Dim>& setup) {
                        fourier(properties.pause / properties.pause_steps));
   print(steps);
   const SolverPath path = setup.config.solver.path;
-  for (const StageType* stage : stage_types()) {
-    if (stage->name != "temperature") continue;
-    const StageCost cost = stage->cost(setup.size, path, setup.groups.count(), setup.lanes);
+  for (const NamedStageCost& stage : stage_costs()) {
+    if (stage.stage != "temperature") continue;
+    const StageCost cost = stage.of(setup.size, path, setup.groups.count(), setup.lanes);
     print(formatted(
         "it costs %.0f solves for %.0f nodes and as many adjoint ones: %.3g GB, %.2g s an iteration",
         setup.size.temperature_steps, setup.size.solid_nodes, (cost.held + cost.solving) / 1e9,

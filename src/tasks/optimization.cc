@@ -2,8 +2,8 @@
 #include "fabseq/tasks/optimization.h"
 
 #include "fabseq/base/session.h"
+#include "fabseq/chain/stages.h"
 #include "fabseq/machine/interior_extrema.h"
-#include "fabseq/optimize/stages.h"
 #include "fabseq/report/layer_doubts.h"
 #include "fabseq/tasks/starting_design.h"
 #include "fabseq/tasks/tasks.h"

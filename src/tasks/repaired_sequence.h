@@ -2,8 +2,8 @@
 #pragma once
 
 #include "fabseq/base/phase_timer.h"
+#include "fabseq/chain/pipeline.h"
 #include "fabseq/config/setup.h"
-#include "fabseq/optimize/pipeline.h"
 #include "fabseq/report/layer_changes.h"
 #include "fabseq/report/sequence_report.h"
 

@@ -4,8 +4,8 @@
 /// under the same change.
 #pragma once
 
+#include "fabseq/chain/design.h"
 #include "fabseq/files/output_directory.h"
-#include "fabseq/optimize/design.h"
 #include "tasks/variation.h"
 
 #include <optional>

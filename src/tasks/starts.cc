@@ -7,10 +7,10 @@
 #include "fabseq/base/posix_file.h"
 #include "fabseq/base/refusal.h"
 #include "fabseq/base/session.h"
+#include "fabseq/chain/stages.h"
 #include "fabseq/files/checkpoint.h"
 #include "fabseq/files/hdf5_writer.h"
 #include "fabseq/files/output_directory.h"
-#include "fabseq/optimize/stages.h"
 
 #include <algorithm>
 #include <tuple>

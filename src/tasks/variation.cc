@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tasks/variation.h"
 
+#include "fabseq/chain/stages.h"
 #include "fabseq/layers/curved_layers.h"
-#include "fabseq/optimize/stages.h"
 #include "fabseq/report/sequence_report.h"
 #include "fabseq/responses/response_type.h"
 #include "fabseq/sequence/given_sequence.h"

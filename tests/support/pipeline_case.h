@@ -3,8 +3,8 @@
 /// A small config of everything, its pipeline, and the stages' results on the whole grid.
 #pragma once
 
+#include "fabseq/chain/pipeline.h"
 #include "fabseq/config/setup.h"
-#include "fabseq/optimize/pipeline.h"
 #include "fabseq/optimize/problem.h"
 #include "support/process_case.h"
 #include "support/small_configs.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/optimize/part_temperature.h"
+#include "fabseq/chain/part_temperature.h"
 #include "fabseq/thermal/temperature_simulation.h"
 #include "support/pipeline_case.h"
 

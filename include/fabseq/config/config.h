@@ -5,7 +5,7 @@
 #pragma once
 
 #include "fabseq/base/json.h"
-#include "fabseq/optimize/model_settings.h"
+#include "fabseq/model/model_settings.h"
 #include "fabseq/optimize/optimizer_settings.h"
 
 #include <memory>

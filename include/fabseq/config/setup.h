@@ -2,7 +2,7 @@
 #pragma once
 
 #include "fabseq/config/config.h"
-#include "fabseq/optimize/model.h"
+#include "fabseq/model/model.h"
 #include "fabseq/sequence/sequence_kind.h"
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 /// Numbers of a config that are valid but cannot be meant, such as values in another unit.
 #pragma once
 
-#include "fabseq/optimize/model.h"
+#include "fabseq/model/model.h"
 
 #include <string>
 #include <vector>

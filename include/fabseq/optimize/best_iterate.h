@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "fabseq/chain/design.h"
 #include "fabseq/files/checkpoint_state.h"
-#include "fabseq/optimize/design.h"
 #include "fabseq/optimize/problem.h"
 
 #include <algorithm>

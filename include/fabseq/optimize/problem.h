@@ -3,9 +3,9 @@
 /// Responses scaled and stacked into an optimization problem (docs/formulation.md 9).
 #pragma once
 
+#include "fabseq/chain/pipeline.h"
 #include "fabseq/files/checkpoint_state.h"
 #include "fabseq/optimize/adaptive_limits.h"
-#include "fabseq/optimize/pipeline.h"
 
 #include <memory>
 #include <optional>

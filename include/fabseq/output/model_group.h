@@ -2,7 +2,7 @@
 #pragma once
 
 #include "fabseq/files/hdf5_writer.h"
-#include "fabseq/optimize/model.h"
+#include "fabseq/model/model.h"
 #include "fabseq/process/built_strain.h"
 
 namespace fabseq {

@@ -5,12 +5,12 @@
 #pragma once
 
 #include "fabseq/base/json.h"
+#include "fabseq/chain/design.h"
+#include "fabseq/chain/pipeline.h"
 #include "fabseq/files/hdf5_writer.h"
 #include "fabseq/layers/layer_model.h"
 #include "fabseq/optimize/best_iterate.h"
-#include "fabseq/optimize/design.h"
 #include "fabseq/optimize/design_update.h"
-#include "fabseq/optimize/pipeline.h"
 #include "fabseq/optimize/run_state.h"
 #include "fabseq/output/run_clock.h"
 #include "fabseq/report/headline.h"

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "fabseq/chain/pipeline.h"
 #include "fabseq/config/setup.h"
 #include "fabseq/files/output_directory.h"
 #include "fabseq/optimize/best_iterate.h"
-#include "fabseq/optimize/pipeline.h"
 #include "fabseq/report/final_reports.h"
 
 #include <span>

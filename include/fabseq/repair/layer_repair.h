@@ -4,7 +4,7 @@
 /// 13.5).
 #pragma once
 
-#include "fabseq/optimize/model.h"
+#include "fabseq/model/model.h"
 #include "fabseq/report/layer_changes.h"
 #include "fabseq/sequence/sequence.h"
 

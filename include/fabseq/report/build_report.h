@@ -3,12 +3,12 @@
 /// What a sequence asks of the machine, and what it leaves in the part.
 #pragma once
 
+#include "fabseq/chain/pipeline.h"
 #include "fabseq/files/field_set.h"
 #include "fabseq/machine/local_thickness.h"
 #include "fabseq/machine/marked_elements.h"
 #include "fabseq/machine/places.h"
 #include "fabseq/machine/time_gradient.h"
-#include "fabseq/optimize/pipeline.h"
 
 #include <optional>
 #include <string>

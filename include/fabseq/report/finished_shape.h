@@ -3,7 +3,7 @@
 /// What a gauge and a scan would find on the finished part.
 #pragma once
 
-#include "fabseq/optimize/pipeline.h"
+#include "fabseq/chain/pipeline.h"
 
 #include <optional>
 #include <string>

@@ -3,7 +3,7 @@
 /// What a sequence's heat amounts to (docs/formulation.md 14.2).
 #pragma once
 
-#include "fabseq/optimize/pipeline.h"
+#include "fabseq/chain/pipeline.h"
 
 #include <optional>
 #include <vector>

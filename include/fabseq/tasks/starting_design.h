@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "fabseq/chain/design.h"
 #include "fabseq/config/command_line.h"
 #include "fabseq/config/setup.h"
-#include "fabseq/optimize/design.h"
 #include "fabseq/sequence/sequence.h"
 
 namespace fabseq {

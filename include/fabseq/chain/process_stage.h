@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "fabseq/chain/stage.h"
+
+#include <vector>
+
+namespace fabseq {
+
+/// Densities and strains to displacements (docs/formulation.md 4). Groups share the layers.
+template <int Dim>
+class ProcessStage : public Stage<Dim> {
+ public:
+  explicit ProcessStage(StageContext<Dim>& context);
+
+  ProcessSimulation<Dim>& simulation() { return simulation_; }
+
+  void forward(const StageInput& input, StageResults<Dim>& results) override;
+  void pull_back(const PipelineState<Dim>& state, const SolveTolerance& tolerance,
+                 AdjointRowSpan<Dim> rows) override;
+  Phase phase() const override { return Phase::primal; }
+  Phase adjoint_phase() const override { return Phase::adjoint; }
+  void start_cold() override { simulation_.start_cold(); }
+  void release_memory() override { simulation_.release_memory(); }
+  /// By what work the layers are dealt out next.
+  void save(CheckpointState& state) const override;
+  void restore(const CheckpointState& state) override;
+  void add_iterations(SolverIterations& iterations) const override;
+
+ private:
+  ElasticModel<Dim> elastic_;
+  ProcessSimulation<Dim> simulation_;
+  std::vector<int> forward_iterations_, adjoint_iterations_;
+};
+
+}  // namespace fabseq

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "fabseq/model/model_settings.h"
+#include "fabseq/responses/response.h"
+
+namespace fabseq {
+
+/// What memory and time of a run follow from.
+struct RunSize {
+  double unknowns = 0.0;       ///< of one layer's system
+  double nodes = 0.0;          ///< of the box
+  double part_elements = 0.0;  ///< all ranks
+  int dimension = 3;
+  int layers = 0;
+  int ranks = 1;
+  int cases = 1;                   ///< strains that each layer is solved for
+  double solid_nodes = 0.0;        ///< of part and substrate
+  double temperature_steps = 0.0;  ///< of heat conduction through all layers; 0 without it
+  int functionals = 0;  ///< residuals of least squares, scenarios of the worst: each costs an elastic adjoint
+  double cores_per_rank = 1.0;  ///< at most 1 (NodeCores::per_rank())
+};
+
+/// Size of a run with this part, the responses of its objective and so many layers. Collective on the grid's
+/// communicator.
+template <int Dim>
+RunSize run_size(const ModelSettings& settings, const Part<Dim>& part, const ResponseList<Dim>& objective,
+                 int layers, int ranks);
+
+}  // namespace fabseq

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: MIT
+#include "fabseq/chain/process_stage.h"
+
+#include "fabseq/model/run_cost.h"
+#include "fabseq/responses/response_type.h"
+#include "fabseq/solve/reference/reference_elasticity.h"
+#include "fabseq/solve/solvers.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace fabseq {
+
+namespace {
+
+template <int Dim>
+std::unique_ptr<ElasticitySolver<Dim>> elasticity_solver(const Model<Dim>& model,
+                                                         const ElasticModel<Dim>& elastic, double tolerance) {
+  return make_elasticity_solver(model.solver, model.grid, elastic.domain, elastic.element,
+                                elastic.material.poisson, tolerance, model.lanes);
+}
+
+/// Its name in a checkpoint.
+constexpr const char* expected_work_name = "process/expected_work";
+
+/// The functionals of displacements that a row consists of, as few as possible.
+template <int Dim>
+std::vector<ProcessAdjoint> process_functionals(PipelineAdjoint<Dim>& row, std::size_t cases) {
+  std::vector<ProcessAdjoint> result = std::move(row.combinations);
+  if (result.empty() || !row.process.is_zero()) result.push_back(std::move(row.process));
+  return reduced(std::move(result), cases);
+}
+
+/// What a path needs, measured (docs/performance.md).
+struct PathCost {
+  double bytes_per_unknown;    ///< of a system with its preconditioner; with lanes, per lane
+  double seconds_per_unknown;  ///< of a solve on one core
+};
+constexpr PathCost lanes_cost{121.0, 4.5e-7};
+constexpr PathCost reference_cost{3000.0, 1e-5};
+/// What the narrower solvers add to that of a lane, where there are any (LaneCycle::narrows).
+constexpr double narrower_bytes_per_unknown = 69.0;
+/// The reference path keeps the factors of every layer.
+constexpr double factor_bytes_per_unknown = 5000.0;
+
+/// Systems of all groups with what is solved: load, solution and a copy with halo, of all nodes; then the
+/// lane engine's own.
+double bytes_of_systems(const RunSize& size, SolverPath path, int groups, int lanes) {
+  if (path == SolverPath::reference) {
+    const bool kept = size.unknowns <= static_cast<double>(ReferenceElasticity<3>::keep_limit);
+    return size.unknowns *
+           (kept ? size.layers * factor_bytes_per_unknown : reference_cost.bytes_per_unknown * groups);
+  }
+  const double vectors = 24.0 * size.nodes * size.dimension * lanes * groups;
+  const double of_lane =
+      lanes_cost.bytes_per_unknown + (saves_memory(lanes) ? 0.0 : narrower_bytes_per_unknown);
+  return vectors + of_lane * size.unknowns * lanes * groups;
+}
+
+StageCost cost_of_process(const RunSize& size, SolverPath path, int groups, int lanes) {
+  const std::vector<double> equal(size.layers, 1.0);
+  const LayerDeal deal = deal_out_layers(equal, groups, widest_block, block_solver(path));
+  const double seconds =
+      path == SolverPath::lanes ? lanes_cost.seconds_per_unknown : reference_cost.seconds_per_unknown;
+  const double increments =
+      size.unknowns * size.layers * 8.0 * (size.cases + 1.0 / static_cast<double>(size.dimension));
+  return {
+      .held = increments,
+      .solving = bytes_of_systems(size, path, groups, lanes),
+      .work = deal.longest,
+      .work_of_other_groups = deal.total - deal.longest,
+      .seconds = (1.0 + size.cases + size.functionals) * size.layers * size.unknowns * seconds / size.ranks};
+}
+
+const RegisteredStage<ProcessStage> process_stage{{"process", {"layers", "strains"}, {"process"}},
+                                                  cost_of_process};
+
+}  // namespace
+
+template <int Dim>
+ProcessStage<Dim>::ProcessStage(StageContext<Dim>& context)
+    : elastic_(context.model.part, context.model.supports, context.model.settings.material,
+               context.model.settings.process),
+      simulation_(elastic_, elasticity_solver(context.model, elastic_, context.tolerance),
+                  context.model.groups, context.model.block_solver(), context.model.lanes) {
+  const ModelSettings& settings = context.model.settings;
+  if (any_measures_release(settings.objective) || any_measures_release(settings.constraints))
+    simulation_.release_with(release_solver(settings.solver, context.tolerance));
+}
+
+template <int Dim>
+void ProcessStage<Dim>::forward(const StageInput& input, StageResults<Dim>& results) {
+  simulation_.set_tolerance(elasticity_tolerance(input.tolerance));
+  simulation_.leave_out_unbuilt(input.region == SolverRegion::built);
+  results.process = &simulation_.simulate(*results.densities, *results.strains);
+  forward_iterations_ = results.process->iterations;
+  adjoint_iterations_.clear();
+}
+
+template <int Dim>
+void ProcessStage<Dim>::pull_back(const PipelineState<Dim>& state, const SolveTolerance& tolerance,
+                                  AdjointRowSpan<Dim> rows) {
+  std::vector<ProcessAdjoint> adjoints;
+  std::vector<ProcessDerivatives> derivatives;
+  const std::size_t cases = state.process.other_cases.size() + 1;
+  const bool has_strains = simulation_.strains().input_count() > 0;
+  for (AdjointRow<Dim>* row : rows) {
+    if (!row->shared) continue;
+    for (ProcessAdjoint& functional : process_functionals(row->adjoint, cases)) {
+      adjoints.push_back(std::move(functional));
+      derivatives.push_back(
+          {&row->adjoint.densities, has_strains ? &row->adjoint.strains : nullptr, &row->sink});
+    }
+  }
+  if (adjoints.empty()) return;
+  simulation_.set_tolerance(elasticity_tolerance(tolerance));
+  simulation_.pull_back(state.layers, adjoints, derivatives);
+  adjoint_iterations_ = simulation_.adjoint_iterations();
+}
+
+template <int Dim>
+void ProcessStage<Dim>::save(CheckpointState& state) const {
+  // Nothing yet before the first iteration.
+  if (!simulation_.expected_work().empty()) state.set_array(expected_work_name, simulation_.expected_work());
+}
+
+template <int Dim>
+void ProcessStage<Dim>::restore(const CheckpointState& state) {
+  if (state.has_array(expected_work_name)) simulation_.set_expected_work(state.array(expected_work_name));
+}
+
+template <int Dim>
+void ProcessStage<Dim>::add_iterations(SolverIterations& iterations) const {
+  iterations.primal = forward_iterations_;
+  iterations.adjoint = adjoint_iterations_;
+}
+
+FABSEQ_INSTANTIATE_CLASS(ProcessStage);
+
+}  // namespace fabseq
