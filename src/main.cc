@@ -43,7 +43,8 @@ void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTim
   RunState<Dim> run = starting_state(setup, command_line, start, restart, pipeline);
   try {
     output.keep(run, pipeline);
-    output.baseline(planar_baseline(setup, run.problem, timer), pipeline.process().solver_description());
+    output.baseline(planar_baseline(setup, run.problem, timer),
+                    pipeline.process().systems().solver_description());
     pipeline.set_region(setup.solver.region);
     while (!run.ended()) {
       note_iterations(run.completed());

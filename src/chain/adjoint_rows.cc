@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/chain/adjoint_rows.h"
 
-#include "fabseq/parallel/layer_dealing.h"
+#include "fabseq/parallel/step_dealing.h"
 #include "fabseq/solve/heat_solver.h"
 
 #include <algorithm>
@@ -41,9 +41,9 @@ AdjointRows<Dim>::AdjointRows(const Model<Dim>& model, PhaseTimer& timer, Respon
     });
   }
   const std::vector<double> work(rows.size(), 1.0);  // one adjoint of the sequence per row
-  const LayerDeal deal = deal_out_layers(work, model.groups.count(), widest_block, model.block_solver());
+  const StepDeal deal = deal_out_steps(work, model.groups.count(), widest_block, model.block_solver());
   for (int group = 0; group < model.groups.count(); ++group)
-    for (const LayerBlock& block : deal.blocks[group])
+    for (const StepBlock& block : deal.blocks[group])
       for (int row = block.first; row < block.first + block.lanes; ++row) {
         rows_[row].owner = group;
         rows_[row].own = group == model.groups.index();

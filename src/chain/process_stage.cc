@@ -25,10 +25,10 @@ constexpr const char* expected_work_name = "process/expected_work";
 
 /// The functionals of displacements that a row consists of, as few as possible.
 template <int Dim>
-std::vector<ProcessAdjoint> process_functionals(PipelineAdjoint<Dim>& row, std::size_t cases) {
-  std::vector<ProcessAdjoint> result = std::move(row.combinations);
-  if (result.empty() || !row.process.is_zero()) result.push_back(std::move(row.process));
-  return reduced(std::move(result), cases);
+std::vector<ProcessAdjoint> process_functionals(PipelineAdjoint<Dim>& row, const ProcessResult& result) {
+  std::vector<ProcessAdjoint> functionals = std::move(row.combinations);
+  if (functionals.empty() || !row.process.is_zero()) functionals.push_back(std::move(row.process));
+  return result.linear() ? result.superposition->reduced(std::move(functionals)) : functionals;
 }
 
 /// What a path needs, measured (docs/performance.md).
@@ -59,7 +59,7 @@ double bytes_of_systems(const RunSize& size, SolverPath path, int groups, int la
 
 StageCost cost_of_process(const RunSize& size, SolverPath path, int groups, int lanes) {
   const std::vector<double> equal(size.layers, 1.0);
-  const LayerDeal deal = deal_out_layers(equal, groups, widest_block, block_solver(path));
+  const StepDeal deal = deal_out_steps(equal, groups, widest_block, block_solver(path));
   const double seconds =
       path == SolverPath::lanes ? lanes_cost.seconds_per_unknown : reference_cost.seconds_per_unknown;
   const double increments =
@@ -81,18 +81,18 @@ template <int Dim>
 ProcessStage<Dim>::ProcessStage(StageContext<Dim>& context)
     : elastic_(context.model.part, context.model.supports, context.model.settings.material,
                context.model.settings.process),
-      simulation_(elastic_, elasticity_solver(context.model, elastic_, context.tolerance),
-                  context.model.groups, context.model.block_solver(), context.model.lanes) {
+      process_(elastic_, elasticity_solver(context.model, elastic_, context.tolerance), context.model.groups,
+               context.model.block_solver(), context.model.lanes) {
   const ModelSettings& settings = context.model.settings;
   if (any_measures_release(settings.objective) || any_measures_release(settings.constraints))
-    simulation_.release_with(release_solver(settings.solver, context.tolerance));
+    process_.release_with(release_solver(settings.solver, context.tolerance));
 }
 
 template <int Dim>
 void ProcessStage<Dim>::forward(const StageInput& input, StageResults<Dim>& results) {
-  simulation_.set_tolerance(elasticity_tolerance(input.tolerance));
-  simulation_.leave_out_unbuilt(input.region == SolverRegion::built);
-  results.process = &simulation_.simulate(*results.densities, *results.strains);
+  process_.set_tolerance(elasticity_tolerance(input.tolerance));
+  process_.systems().leave_out_unbuilt(input.region == SolverRegion::built);
+  results.process = &process_.simulate(*results.densities, *results.strains);
   forward_iterations_ = results.process->iterations;
   adjoint_iterations_.clear();
 }
@@ -102,31 +102,32 @@ void ProcessStage<Dim>::pull_back(const PipelineState<Dim>& state, const SolveTo
                                   AdjointRowSpan<Dim> rows) {
   std::vector<ProcessAdjoint> adjoints;
   std::vector<ProcessDerivatives> derivatives;
-  const std::size_t cases = state.process.other_cases.size() + 1;
-  const bool has_strains = simulation_.strains().input_count() > 0;
+  const bool has_strains = process_.strains().input_count() > 0;
   for (AdjointRow<Dim>* row : rows) {
     if (!row->shared) continue;
-    for (ProcessAdjoint& functional : process_functionals(row->adjoint, cases)) {
+    for (ProcessAdjoint& functional : process_functionals(row->adjoint, state.process)) {
       adjoints.push_back(std::move(functional));
       derivatives.push_back(
           {&row->adjoint.densities, has_strains ? &row->adjoint.strains : nullptr, &row->sink});
     }
   }
   if (adjoints.empty()) return;
-  simulation_.set_tolerance(elasticity_tolerance(tolerance));
-  simulation_.pull_back(state.layers, adjoints, derivatives);
-  adjoint_iterations_ = simulation_.adjoint_iterations();
+  process_.set_tolerance(elasticity_tolerance(tolerance));
+  process_.pull_back(state.layers, adjoints, derivatives);
+  adjoint_iterations_ = process_.adjoint_iterations();
 }
 
 template <int Dim>
 void ProcessStage<Dim>::save(CheckpointState& state) const {
   // Nothing yet before the first iteration.
-  if (!simulation_.expected_work().empty()) state.set_array(expected_work_name, simulation_.expected_work());
+  if (!process_.systems().expected_work().empty())
+    state.set_array(expected_work_name, process_.systems().expected_work());
 }
 
 template <int Dim>
 void ProcessStage<Dim>::restore(const CheckpointState& state) {
-  if (state.has_array(expected_work_name)) simulation_.set_expected_work(state.array(expected_work_name));
+  if (state.has_array(expected_work_name))
+    process_.systems().set_expected_work(state.array(expected_work_name));
 }
 
 template <int Dim>

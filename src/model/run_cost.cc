@@ -4,7 +4,7 @@
 #include "fabseq/base/memory.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/model/stage_cost.h"
-#include "fabseq/process/process_simulation.h"
+#include "fabseq/process/strain_cases.h"
 #include "fabseq/responses/response_type.h"
 
 #include <algorithm>

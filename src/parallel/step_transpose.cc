@@ -29,12 +29,12 @@ std::vector<double> exchange(const LayerGroups& groups, const std::vector<double
 
 }  // namespace
 
-StepTranspose::StepTranspose(const LayerGroups& groups, const LayerDeal& deal, std::size_t elements,
+StepTranspose::StepTranspose(const LayerGroups& groups, const StepDeal& deal, std::size_t elements,
                              int components, std::size_t most)
     : groups_(groups), deal_(deal.blocks), elements_(elements), components_(components) {
-  for (const std::vector<LayerBlock>& blocks : deal_) {
+  for (const std::vector<StepBlock>& blocks : deal_) {
     steps_of_.push_back(0);
-    for (const LayerBlock& block : blocks) steps_of_.back() += block.lanes;
+    for (const StepBlock& block : blocks) steps_of_.back() += block.lanes;
     steps_ += steps_of_.back();
   }
   // The most that a rank holds: blocks of all elements, or histories of the largest share.
@@ -65,7 +65,7 @@ StepTranspose::Counts StepTranspose::counts(std::size_t pass) const {
 template <class Function>
 void StepTranspose::for_each_slice(int group, std::size_t pass, Function&& f) const {
   const Range elements = range(group, pass);
-  const std::vector<LayerBlock>& blocks = deal_[groups_.index()];
+  const std::vector<StepBlock>& blocks = deal_[groups_.index()];
   for (std::size_t number = 0; number < blocks.size(); ++number) {
     const std::size_t of_element = components_ * blocks[number].lanes;
     f(number, elements.begin * of_element, (elements.end - elements.begin) * of_element);
@@ -75,8 +75,8 @@ void StepTranspose::for_each_slice(int group, std::size_t pass, Function&& f) co
 template <class Function>
 void StepTranspose::for_each_entry(std::size_t pass, Function&& f) const {
   const Range elements = range(groups_.index(), pass);
-  for (const std::vector<LayerBlock>& blocks : deal_)
-    for (const LayerBlock& block : blocks)
+  for (const std::vector<StepBlock>& blocks : deal_)
+    for (const StepBlock& block : blocks)
       for (std::size_t element = elements.begin; element < elements.end; ++element)
         for (std::size_t component = 0; component < components_; ++component)
           for (int lane = 0; lane < block.lanes; ++lane)
@@ -102,7 +102,7 @@ std::vector<double> StepTranspose::to_histories(std::span<const std::vector<doub
 
 std::vector<std::vector<double>> StepTranspose::to_blocks(std::span<const double> histories) const {
   std::vector<std::vector<double>> blocks;
-  for (const LayerBlock& block : deal_[groups_.index()]) blocks.emplace_back(size_of(block));
+  for (const StepBlock& block : deal_[groups_.index()]) blocks.emplace_back(size_of(block));
   std::vector<double> outgoing;
   for (std::size_t pass = 0; pass < passes_; ++pass) {
     const Counts count = counts(pass);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "fabseq/parallel/layer_dealing.h"
 #include "fabseq/parallel/layer_groups.h"
+#include "fabseq/parallel/step_dealing.h"
 
 #include <cstddef>
 #include <span>
@@ -22,7 +22,7 @@ class StepTranspose {
   /// the same on its copies. Both are at least 0, `components` at least 1. A message holds at most `most`
   /// values of a rank, which MPI can count; more values go in several ones. `groups` must outlive the object.
   /// Not collective.
-  StepTranspose(const LayerGroups& groups, const LayerDeal& deal, std::size_t elements, int components,
+  StepTranspose(const LayerGroups& groups, const StepDeal& deal, std::size_t elements, int components,
                 std::size_t most = std::size_t{1} << 30);
 
   std::size_t steps() const { return steps_; }
@@ -30,7 +30,7 @@ class StepTranspose {
   std::size_t first_element() const { return start(groups_.index()); }
   std::size_t elements_of_share() const { return start(groups_.index() + 1) - start(groups_.index()); }
   /// Number of entries of a block.
-  std::size_t size_of(const LayerBlock& block) const { return elements_ * components_ * block.lanes; }
+  std::size_t size_of(const StepBlock& block) const { return elements_ * components_ * block.lanes; }
 
   /// The histories of the share, from the blocks of all groups. `blocks`: those of this rank's group, in the
   /// order of the deal. Collective on LayerGroups::across().
@@ -58,8 +58,8 @@ class StepTranspose {
   void for_each_entry(std::size_t pass, Function&& f) const;
 
   const LayerGroups& groups_;
-  std::vector<std::vector<LayerBlock>> deal_;  ///< [group][block]
-  std::vector<std::size_t> steps_of_;          ///< [group]
+  std::vector<std::vector<StepBlock>> deal_;  ///< [group][block]
+  std::vector<std::size_t> steps_of_;         ///< [group]
   std::size_t elements_ = 0, components_ = 1, steps_ = 0, passes_ = 1;
 };
 

@@ -32,11 +32,12 @@ BuiltRegion<Dim>::BuiltRegion(const ElasticModel<Dim>& model)
 }
 
 template <int Dim>
-BlockRegion BuiltRegion<Dim>::of(const LayerDensities& densities, const LayerBlock& block) const {
-  const std::vector<double> region = standing_.with_neighbors(densities, block.first);
+BlockRegion BuiltRegion<Dim>::of(const LayerDensities& densities, const StepBlock& block,
+                                 std::span<const BuildStep> steps) const {
+  const std::vector<double> region = standing_.with_neighbors(densities, steps.back().layer);
   const auto count = static_cast<std::int64_t>(std::count(region.begin(), region.end(), 1.0));
   const auto all = static_cast<std::int64_t>(model_.elements.size());
-  BlockRegion result{block, {}, {}};
+  BlockRegion result{block, {steps.begin(), steps.end()}};
   if (sum(model_.part.grid().comm(), all - count) == 0 || !is_held(region)) return result;
   std::vector<int> inside;
   result.elements.reserve(model_.elements.size());

@@ -18,15 +18,15 @@ class CaseStrain : public StrainSource<Dim> {
       : source_(source), factors_(factors) {}
 
   StrainVariation variation() const override { return source_.variation(); }
-  void set_strains(std::span<const int> elements, const LayerBlock& steps,
+  void set_strains(std::span<const int> elements, const StepBlock& steps,
                    std::span<double> strains) const override;
   std::size_t input_count() const override { return source_.input_count(); }
-  void add_derivatives(std::span<const int> elements, const LayerBlock& steps,
+  void add_derivatives(std::span<const int> elements, const StepBlock& steps,
                        std::span<const double> d_strains, std::span<double> d_inputs) const override;
 
  private:
   /// Multiplies values, [element][Voigt][step], by the factors.
-  void scale(const LayerBlock& steps, std::span<double> values) const;
+  void scale(const StepBlock& steps, std::span<double> values) const;
 
   const StrainSource<Dim>& source_;
   StrainFactors<Dim> factors_;

@@ -11,7 +11,7 @@ CountedAs<Dim>::CountedAs(DepositionModel model, const ElasticModel<Dim>& elasti
     groups.run([&] {
       const Deposition<Dim> deposition(elastic);
       for (std::size_t block = 0; block < result.blocks.size(); ++block)
-        weights_.push_back(deposition.weights(densities, result.blocks[block], result.nodes[block]));
+        weights_.push_back(deposition.weights(densities, result.steps_of(block), result.nodes[block]));
     });
   for (auto& displacement : displacements_) displacement.assign(result.displacement.size(), 0.0);
   exchange();

@@ -61,11 +61,11 @@ typename Deposition<Dim>::Missing Deposition<Dim>::missing(const std::vector<dou
 }
 
 template <int Dim>
-LaneVector Deposition<Dim>::weights(const LayerDensities& densities, const LayerBlock& block,
+LaneVector Deposition<Dim>::weights(const LayerDensities& densities, std::span<const BuildStep> steps,
                                     std::span<const int> nodes) const {
-  LaneVector result(static_cast<int>(nodes.size()), 1, block.lanes);
-  for (int lane = 0; lane < block.lanes; ++lane) {
-    const Missing missing = this->missing(densities.stage[block.first + lane]);
+  LaneVector result(static_cast<int>(nodes.size()), 1, static_cast<int>(steps.size()));
+  for (int lane = 0; lane < result.lanes; ++lane) {
+    const Missing missing = this->missing(densities.stage[steps[lane].layer]);
     for (std::size_t k = 0; k < nodes.size(); ++k) {
       double product = 1.0;
       for (const int element : around_[ghosted_[nodes[k]]]) product *= missing[element];
@@ -76,7 +76,7 @@ LaneVector Deposition<Dim>::weights(const LayerDensities& densities, const Layer
 }
 
 template <int Dim>
-void Deposition<Dim>::add_derivatives(const std::vector<Missing>& missing, int first,
+void Deposition<Dim>::add_derivatives(const std::vector<Missing>& missing, std::span<const BuildStep> steps,
                                       std::span<const int> nodes, const LaneVector& d_weights,
                                       DensityDerivatives& derivatives) const {
   const Part<Dim>& part = model_.part;
@@ -87,7 +87,7 @@ void Deposition<Dim>::add_derivatives(const std::vector<Missing>& missing, int f
     for (std::size_t k = 0; k < nodes.size(); ++k) owned[nodes[k]] = d_weights(k, lane);
     grid.exchange(1).to_ghosted(owned, of_nodes);
     auto& d_stage =
-        DensityDerivatives::zeros_if_empty(derivatives.stage[first + lane], part.elements().size());
+        DensityDerivatives::zeros_if_empty(derivatives.stage[steps[lane].layer], part.elements().size());
     for (std::size_t node = 0; node < of_nodes.size(); ++node)
       if (of_nodes[node] != 0.0) add_derivatives_at(around_[node], missing[lane], of_nodes[node], d_stage);
   }

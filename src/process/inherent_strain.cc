@@ -51,7 +51,7 @@ StrainVariation InherentStrain<Dim>::variation() const {
 }
 
 template <int Dim>
-void InherentStrain<Dim>::set_strains(std::span<const int> elements, const LayerBlock& steps,
+void InherentStrain<Dim>::set_strains(std::span<const int> elements, const StepBlock& steps,
                                       std::span<double> strains) const {
   double* to = strains.data();
   for (const int element : elements)
@@ -66,7 +66,7 @@ void InherentStrain<Dim>::set_strains(std::span<const int> elements, const Layer
 }
 
 template <int Dim>
-void InherentStrain<Dim>::add_derivatives(std::span<const int> elements, const LayerBlock& steps,
+void InherentStrain<Dim>::add_derivatives(std::span<const int> elements, const StepBlock& steps,
                                           std::span<const double> d_strains,
                                           std::span<double> d_inputs) const {
   const double* from = d_strains.data();

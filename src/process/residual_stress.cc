@@ -2,7 +2,7 @@
 #include "fabseq/process/residual_stress.h"
 
 #include "fabseq/base/mpi.h"
-#include "process/layer_deposit.h"
+#include "process/strained_elements.h"
 
 #include <algorithm>
 #include <cmath>
@@ -52,26 +52,28 @@ double von_mises(const double* s) {
 }  // namespace
 
 template <int Dim>
-std::vector<double> residual_stress(const ProcessSimulation<Dim>& simulation,
-                                    const LayerDensities& densities) {
+std::vector<double> residual_stress(const ElasticProcess<Dim>& process, const LayerDensities& densities) {
   constexpr int components = voigt_size<Dim>;
-  const ElasticModel<Dim>& model = simulation.model();
+  const ElasticModel<Dim>& model = process.model();
   std::vector<double> stress = zero_stress(model);
   std::vector<int> all_elements(model.part.elements().size());
   std::iota(all_elements.begin(), all_elements.end(), 0);
-  for (int layer = 0; layer < densities.count(); ++layer) {
-    const std::vector<double> increment = simulation.increment(layer);
+  const std::vector<BuildStep>& steps = process.systems().steps();
+  for (int number = 0; number < static_cast<int>(steps.size()); ++number) {
+    const BuildStep& step = steps[number];
+    const std::vector<double> increment = process.step_increment(number);
     for_each_stress<Dim>(model, increment, [&](std::size_t element, const auto& elastic) {
-      const double stiffness = model.stiffness(model.stage_density(densities.stage[layer], element));
+      const double stiffness = model.stiffness(model.stage_density(densities.stage[step.layer], element));
       double* at = &stress[static_cast<std::size_t>(model.elements[element]) * components];
       for (int c = 0; c < components; ++c) at[c] += model.material.young * stiffness * elastic[c];
     });
-    const LayerDeposit deposit =
-        layer_deposit(model, simulation.strains(), densities.layer[layer], layer, all_elements);
-    for (std::size_t e = 0; e < deposit.elements.size(); ++e) {
-      const auto inherent = model.element.stress(deposit.strain<Dim>(e));
-      double* at = &stress[static_cast<std::size_t>(model.part.elements()[deposit.elements[e]]) * components];
-      for (int c = 0; c < components; ++c) at[c] -= model.material.young * deposit.factors[e] * inherent[c];
+    const StrainedElements strained =
+        strained_elements(model, process.strains(), densities, step, number, all_elements);
+    for (std::size_t e = 0; e < strained.elements.size(); ++e) {
+      const auto inherent = model.element.stress(strained.strain<Dim>(e));
+      double* at =
+          &stress[static_cast<std::size_t>(model.part.elements()[strained.elements[e]]) * components];
+      for (int c = 0; c < components; ++c) at[c] -= model.material.young * strained.factors[e] * inherent[c];
     }
   }
   return stress;

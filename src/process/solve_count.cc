@@ -10,16 +10,16 @@
 
 namespace fabseq {
 
-void SolveCount::add(const std::vector<SolveReport>& reports, int layer, const char* what) {
-  for (const SolveReport& report : reports) {
+void SolveCount::add(const std::vector<SolveReport>& reports, const BlockRegion& block, const char* what) {
+  for (int lane = 0; const SolveReport& report : reports) {
     if (!report.converged || !std::isfinite(report.residual))
       throw NumericalError(
           formatted("layer %d: the elastic %s solve did not converge: %d iterations, relative "
                     "preconditioned residual %g (%s)",
-                    layer + 1, what, report.iterations, report.residual, report.reason.c_str()));
-    largest[layer] = std::max(largest[layer], report.iterations);
-    all[layer] += report.iterations;
-    ++layer;
+                    block.layer(lane) + 1, what, report.iterations, report.residual, report.reason.c_str()));
+    const int step = block.block.first + lane++;
+    largest[step] = std::max(largest[step], report.iterations);
+    all[step] += report.iterations;
   }
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/process/support_forces.h"
 
-#include "process/layer_deposit.h"
+#include "process/strained_elements.h"
 
 #include <array>
 
@@ -33,12 +33,13 @@ std::vector<typename SupportForces<Dim>::ElementLoad> SupportForces<Dim>::summed
     of_part.push_back(element);
     place[element] = k;
   }
-  for (int layer = region.block.first; layer < region.block.first + region.block.lanes; ++layer) {
-    const LayerDeposit deposit = layer_deposit<Dim>(model_, strains, densities.layer[layer], layer, of_part);
-    for (std::size_t e = 0; e < deposit.elements.size(); ++e) {
-      const auto unit_load = model_.element.strain_load(deposit.strain<Dim>(e));
-      ElementLoad& load = result[place[deposit.elements[e]]];
-      for (std::size_t i = 0; i < load.size(); ++i) load[i] += deposit.factors[e] * unit_load[i];
+  for (int lane = 0; lane < region.block.lanes; ++lane) {
+    const StrainedElements strained = strained_elements<Dim>(model_, strains, densities, region.steps[lane],
+                                                             region.block.first + lane, of_part);
+    for (std::size_t e = 0; e < strained.elements.size(); ++e) {
+      const auto unit_load = model_.element.strain_load(strained.strain<Dim>(e));
+      ElementLoad& load = result[place[strained.elements[e]]];
+      for (std::size_t i = 0; i < load.size(); ++i) load[i] += strained.factors[e] * unit_load[i];
     }
   }
   return result;
@@ -51,17 +52,17 @@ void SupportForces<Dim>::add_reactions(const LayerDensities& densities, const St
   constexpr int unknowns = element_unknowns<Dim>;
   const Grid<Dim>& grid = model_.part.grid();
   const auto nodes = static_cast<std::size_t>(grid.ghosted_nodes().count());
-  const int first = region.block.first, lanes = increments.lanes;
+  const int lanes = increments.lanes;
   std::vector<double> u(nodes * Dim * lanes), forces(nodes * Dim, 0.0), owned(reactions.size());
   grid.exchange(Dim * lanes).to_ghosted(increments.values, u);
   const std::vector<ElementLoad> loads = summed_loads(densities, strains, region);
   for (std::size_t k = 0; k < elements_.size(); ++k) {
     const int e = elements_[k];
     if (!region.has(e)) continue;
-    // One product for all layers: they share the element's matrix.
+    // One product for all steps: they share the element's matrix.
     std::array<double, unknowns> stretched{};
     for (int lane = 0; lane < lanes; ++lane) {
-      const double factor = model_.stiffness(model_.stage_density(densities.stage[first + lane], e));
+      const double factor = model_.stiffness(model_.stage_density(densities.stage[region.layer(lane)], e));
       for (int i = 0; i < unknowns; ++i)
         stretched[i] += factor * u[(node(e, i) * Dim + i % Dim) * lanes + lane];
     }
@@ -83,7 +84,7 @@ void SupportForces<Dim>::subtract_motion(const LayerDensities& densities, const 
   constexpr int unknowns = element_unknowns<Dim>;
   const Grid<Dim>& grid = model_.part.grid();
   const auto nodes = static_cast<std::size_t>(grid.ghosted_nodes().count());
-  const int first = region.block.first, lanes = loads.lanes;
+  const int lanes = loads.lanes;
   std::vector<double> at_supports(motion.begin(), motion.end());
   for (std::size_t i = 0; i < at_supports.size(); ++i)
     if (model_.domain.fixed[i] == 0) at_supports[i] = 0.0;
@@ -96,7 +97,8 @@ void SupportForces<Dim>::subtract_motion(const LayerDensities& densities, const 
         force += model_.element.stiffness()[i * unknowns + j] * w[node(e, j) * Dim + j % Dim];
       double* of_lanes = &forces[(node(e, i) * Dim + i % Dim) * lanes];
       for (int lane = 0; lane < lanes; ++lane)
-        of_lanes[lane] += model_.stiffness(model_.stage_density(densities.stage[first + lane], e)) * force;
+        of_lanes[lane] +=
+            model_.stiffness(model_.stage_density(densities.stage[region.layer(lane)], e)) * force;
     }
   grid.exchange(Dim * lanes).add_to_owned(forces, owned);
   for (std::size_t i = 0; i < owned.size(); ++i) loads.values[i] -= owned[i];

@@ -143,7 +143,7 @@ std::vector<double> release_displacement(const Model<Dim>& model, const Pipeline
                                          const PipelineState<Dim>& state, std::string& failure) {
   if (!state.process.release.empty()) return state.process.release;  // a term asked for it
   if (!release_obstacle(model.grid, model.supports, model.settings.process.void_model).empty()) return {};
-  const ProcessSimulation<Dim>& process = pipeline.process();
+  const ElasticProcess<Dim>& process = pipeline.process();
   const std::vector<double> reactions = process.reactions(state.layers);
   const SolverSettings& solver = model.settings.solver;
   std::vector<double> release;

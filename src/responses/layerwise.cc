@@ -14,26 +14,37 @@ class Layerwise : public Response<Dim> {
 
   std::vector<double> values(const PipelineState<Dim>& state) const override {
     double square = 0.0;
-    const auto& increments = state.process.increments;
-    for (std::size_t batch = 0; batch < increments.size(); ++batch)
-      for (std::size_t i = 0; i < increments[batch].unknowns(); ++i)
-        for (int lane = 0; lane < increments[batch].lanes; ++lane) {
-          const double u = state.process.counted(batch, i, lane);
-          square += u * u;
-        }
+    for_each_layer(state.process, [&](std::size_t, std::size_t, int, int, double u) { square += u * u; });
     return {sum(state.process.all_layers, square)};
   }
 
   void add_derivative(int, double weight, const PipelineState<Dim>& state,
                       PipelineAdjoint<Dim>& adjoint) const override {
     auto& derivative = adjoint.process.increments;
-    for (std::size_t batch = 0; batch < state.process.increments.size(); ++batch) {
-      const LaneVector& increments = state.process.increments[batch];
-      if (derivative.size() <= batch)
-        derivative.emplace_back(increments.nodes, increments.components, increments.lanes);
-      for (std::size_t i = 0; i < increments.unknowns(); ++i)
-        for (int lane = 0; lane < increments.lanes; ++lane)
-          derivative[batch](i, lane) += 2.0 * weight * state.process.counted(batch, i, lane);
+    for (std::size_t block = derivative.size(); block < state.process.increments.size(); ++block) {
+      const LaneVector& increments = state.process.increments[block];
+      derivative.emplace_back(increments.nodes, increments.components, increments.lanes);
+    }
+    for_each_layer(state.process, [&](std::size_t block, std::size_t unknown, int begin, int end, double u) {
+      for (int lane = begin; lane < end; ++lane) derivative[block](unknown, lane) += 2.0 * weight * u;
+    });
+  }
+
+ private:
+  /// Calls f(block, unknown, first lane and end of the layer's steps, what counts of its increment) for each
+  /// unknown in each layer.
+  template <class Function>
+  static void for_each_layer(const ProcessResult& process, Function&& f) {
+    for (std::size_t block = 0; block < process.increments.size(); ++block) {
+      const auto steps = process.steps_of(block);
+      const int lanes = process.increments[block].lanes;
+      for (std::size_t i = 0; i < process.increments[block].unknowns(); ++i)
+        for (int begin = 0, end = 0; begin < lanes; begin = end) {
+          double u = 0.0;
+          for (; end < lanes && steps[end].layer == steps[begin].layer; ++end)
+            u += process.counted(block, i, end);
+          f(block, i, begin, end, u);
+        }
     }
   }
 };

@@ -20,12 +20,14 @@ class OfScenarios {
 
   /// J for a combination of the cases.
   double value(const std::vector<double>& combination, const PipelineState<Dim>& state) const {
-    const ProcessResult process = state.process.combined(combination, of_increments_);
+    const ProcessResult process =
+        state.process.superposition->combined(state.process, combination, of_increments_);
     return distortion_->values({state.time, state.layers, process})[0];
   }
   void add_derivative(const std::vector<double>& combination, double weight, const PipelineState<Dim>& state,
                       PipelineAdjoint<Dim>& adjoint) const {
-    const ProcessResult process = state.process.combined(combination, of_increments_);
+    const ProcessResult process =
+        state.process.superposition->combined(state.process, combination, of_increments_);
     PipelineAdjoint<Dim> own(state.layers.count());
     distortion_->add_derivative(0, weight, {state.time, state.layers, process}, own);
     own.process.combination = combination;
@@ -46,13 +48,13 @@ class EachScenario : public Response<Dim> {
   bool uses_displacements() const override { return true; }
   std::vector<double> values(const PipelineState<Dim>& state) const override {
     std::vector<double> result;
-    for (const auto& combination : state.process.scenarios)
+    for (const auto& combination : state.process.superposition->scenarios())
       result.push_back(scenarios_.value(combination, state));
     return result;
   }
   void add_derivative(int component, double weight, const PipelineState<Dim>& state,
                       PipelineAdjoint<Dim>& adjoint) const override {
-    scenarios_.add_derivative(state.process.scenarios[component], weight, state, adjoint);
+    scenarios_.add_derivative(state.process.superposition->scenarios()[component], weight, state, adjoint);
   }
 
  private:
@@ -107,7 +109,7 @@ class MeanOfScenarios : public Response<Dim> {
 
  private:
   std::vector<std::vector<double>> combinations(const PipelineState<Dim>& state) const {
-    std::vector<std::vector<double>> result = state.process.scenarios;
+    std::vector<std::vector<double>> result = state.process.superposition->scenarios();
     if (!of_deviations_) return result;
     std::vector<double> mean(result.front().size(), 0.0);
     for (const auto& combination : result)

@@ -30,10 +30,10 @@ namespace {
 
 /// sqrt of the sum over all nodes of |increment|^2, one per layer.
 template <int Dim>
-std::vector<double> increment_norms(const ProcessSimulation<Dim>& process, int layers, MPI_Comm comm) {
+std::vector<double> increment_norms(const ElasticProcess<Dim>& process, int layers, MPI_Comm comm) {
   std::vector<double> norms(layers, 0.0);
   for (int j = 0; j < layers; ++j)
-    for (const double u : process.increment(j, true)) norms[j] += u * u;
+    for (const double u : process.layer_increment(j, true)) norms[j] += u * u;
   sum_in_place(comm, norms);
   for (double& norm : norms) norm = std::sqrt(norm);
   return norms;
@@ -41,11 +41,10 @@ std::vector<double> increment_norms(const ProcessSimulation<Dim>& process, int l
 
 /// Displacement after every layer, as stages/displacement.
 template <int Dim>
-void write_stages(Hdf5Writer& file, const Setup<Dim>& setup, const ProcessSimulation<Dim>& process,
-                  int layers) {
+void write_stages(Hdf5Writer& file, const Setup<Dim>& setup, const ElasticProcess<Dim>& process, int layers) {
   std::vector<double> displacement(static_cast<std::size_t>(setup.grid.owned_nodes().count()) * Dim, 0.0);
   for (int j = 0; j < layers; ++j) {
-    const std::vector<double> increment = process.increment(j, true);
+    const std::vector<double> increment = process.layer_increment(j, true);
     for (std::size_t i = 0; i < displacement.size(); ++i) displacement[i] += increment[i];
     file.template write_stage<Dim>(setup.grid, {"stages/displacement", true, Dim, displacement, true}, j,
                                    layers);
@@ -87,7 +86,7 @@ Stress<Dim> released_stress(const ElasticModel<Dim>& model, const Part<Dim>& par
 template <int Dim>
 Simulation<Dim> simulation_of(const Setup<Dim>& setup, Pipeline<Dim>& pipeline,
                               const PipelineState<Dim>& state, SequenceReport report) {
-  const ProcessSimulation<Dim>& process = pipeline.process();
+  const ElasticProcess<Dim>& process = pipeline.process();
   Simulation<Dim> result{std::move(report),
                          {setup.part, residual_stress(process, state.layers)},
                          increment_norms(process, state.layers.count(), setup.grid.comm())};
@@ -203,7 +202,7 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   write_fields(setup, directory, last, simulation);
   const Json record = to_record(setup, simulation, {timer.seconds(), MPI_Wtime() - start});
   directory.write("summary.json", to_text(record, 2) + "\n");
-  print(last.process().solver_description());
+  print(last.process().systems().solver_description());
   print_numbers(setup, simulation);
   print("results in " + directory.path());
   const std::string& failure = simulation.shape().failure;

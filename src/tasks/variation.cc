@@ -43,9 +43,10 @@ std::vector<std::optional<double>> quadratic_terms(const Model<Dim>& model, cons
 template <int Dim>
 VariedNumbers with_noise(const Model<Dim>& model, const Problem<Dim>& problem, Pipeline<Dim>& pipeline,
                          const PipelineState<Dim>& state, VariedNumbers numbers) {
+  const Superposition& linear = *state.process.superposition;
   std::vector<double> deviation(state.process.displacement.size(), 0.0);
   for (int j = 0; j < state.layers.count(); ++j) {
-    const ProcessResult layer = state.process.at_once(pipeline.process().increment(j, true));
+    const ProcessResult layer = linear.of_part(state.process, pipeline.process().layer_increment(j, true));
     for (std::size_t i = 0; i < deviation.size(); ++i)
       deviation[i] += std::pow(size_of_change * layer.displacement[i], 2);
     const auto terms = quadratic_terms(model, problem, pipeline, {state.time, state.layers, layer});

@@ -29,13 +29,13 @@ class FactorStrain : public StrainSource<Dim> {
   StrainVariation variation() const override {
     return std::max(source_.variation(), StrainVariation::by_step);
   }
-  void set_strains(std::span<const int> elements, const LayerBlock& steps,
+  void set_strains(std::span<const int> elements, const StepBlock& steps,
                    std::span<double> strains) const override {
     source_.set_strains(elements, steps, strains);
     for (std::size_t i = 0; i < strains.size(); ++i) strains[i] *= factors_[steps.first + i % steps.lanes];
   }
   std::size_t input_count() const override { return source_.input_count() + factors_.size(); }
-  void add_derivatives(std::span<const int> elements, const LayerBlock& steps,
+  void add_derivatives(std::span<const int> elements, const StepBlock& steps,
                        std::span<const double> d_strains, std::span<double> d_inputs) const override {
     const std::size_t of_source = source_.input_count();
     std::vector<double> values(d_strains.size()), scaled(d_strains.begin(), d_strains.end());

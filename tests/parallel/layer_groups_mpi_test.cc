@@ -219,7 +219,7 @@ TYPED_TEST(LayerGroupsPipelineTest, IncrementsAddUp) {
     const auto state = pipeline.run(pipeline.setup.groups.share(pipeline.wavy_design()));
     std::vector<double> total(state.process.displacement.size(), 0.0);
     for (int layer = 0; layer < 11; ++layer) {
-      const std::vector<double> increment = pipeline.pipeline.process().increment(layer, true);
+      const std::vector<double> increment = pipeline.pipeline.process().layer_increment(layer, true);
       ASSERT_EQ(increment.size(), total.size());
       for (std::size_t i = 0; i < total.size(); ++i) total[i] += increment[i];
     }

@@ -20,16 +20,16 @@ double value(int place, std::size_t element, int step, int component) {
 }
 
 /// Uneven blocks, such that some groups may have none.
-LayerDeal deal_of(int steps, int groups) {
+StepDeal deal_of(int steps, int groups) {
   std::vector<double> work(steps);
   std::iota(work.begin(), work.end(), 1.0);
-  return deal_out_layers(work, groups, 4, BlockSolver::one_by_one);
+  return deal_out_steps(work, groups, 4, BlockSolver::one_by_one);
 }
 
-std::vector<std::vector<double>> blocks_of(const LayerGroups& groups, const LayerDeal& deal,
+std::vector<std::vector<double>> blocks_of(const LayerGroups& groups, const StepDeal& deal,
                                            std::size_t elements) {
   std::vector<std::vector<double>> result;
-  for (const LayerBlock& block : deal.blocks[groups.index()]) {
+  for (const StepBlock& block : deal.blocks[groups.index()]) {
     std::vector<double>& values = result.emplace_back();
     for (std::size_t element = 0; element < elements; ++element)
       for (int component = 0; component < components; ++component)
@@ -49,7 +49,7 @@ std::vector<double> histories_of(const LayerGroups& groups, std::size_t first, s
 }
 
 void compare(const LayerGroups& groups, std::size_t elements, int steps, std::size_t most) {
-  const LayerDeal deal = deal_of(steps, groups.count());
+  const StepDeal deal = deal_of(steps, groups.count());
   const StepTranspose transpose(groups, deal, elements, components, most);
   ASSERT_EQ(transpose.steps(), static_cast<std::size_t>(steps));
   const auto blocks = blocks_of(groups, deal, elements);

@@ -3,7 +3,7 @@
 /// matrices (formulation 4.8).
 #include "fabseq/base/mpi.h"
 #include "fabseq/process/built_region.h"
-#include "fabseq/process/process_simulation.h"
+#include "fabseq/process/elastic_process.h"
 #include "fabseq/solve/solvers.h"
 #include "support/process_case.h"
 
@@ -55,6 +55,12 @@ std::vector<double> found_region(const test::ProcessCase<Dim>& process, const Bl
   return test::whole_part_field(process.part(), of_part, 0.0);
 }
 
+template <int Dim>
+BlockRegion region_of(const BuiltRegion<Dim>& built, const LayerDensities& layers, const StepBlock& block) {
+  const std::vector<BuildStep> steps = steps_of_layers(layers.count());
+  return built.of(layers, block, std::span(steps).subspan(block.first, block.lanes));
+}
+
 template <class T>
 class BuiltRegionTest : public testing::Test {};
 TYPED_TEST_SUITE(BuiltRegionTest, test::Dimensions);
@@ -64,9 +70,9 @@ TYPED_TEST(BuiltRegionTest, IsWhatStandsAndItsNeighbors) {
   const test::ProcessCase<Dim> process(nominal<Dim>());
   const LayerDensities layers = process.densities(process.planar_time(), layer_count, sharpness);
   const BuiltRegion<Dim> built(process.model);
-  for (const LayerBlock block : {LayerBlock{0, 8}, LayerBlock{4, 2}, LayerBlock{8, 8}, LayerBlock{17, 1}}) {
+  for (const StepBlock block : {StepBlock{0, 8}, StepBlock{4, 2}, StepBlock{8, 8}, StepBlock{17, 1}}) {
     const std::vector<double> expected = expected_region(process, layers, block.first / 8 * 8 + 7);
-    EXPECT_EQ(found_region(process, built.of(layers, block)), expected) << block.first;
+    EXPECT_EQ(found_region(process, region_of(built, layers, block)), expected) << block.first;
   }
   const std::vector<double> shares = built.standing_shares(layers);
   EXPECT_LT(shares[7], 0.6);
@@ -82,7 +88,7 @@ TYPED_TEST(BuiltRegionTest, IsEverythingWhereAPieceHasNoHold) {
   std::vector<double> time = process.planar_time();
   for (double& value : time) value = value < 0.2 || value > 0.8 ? 0.05 : 0.9;
   const LayerDensities layers = process.densities(time, layer_count, sharpness);
-  EXPECT_TRUE(BuiltRegion<Dim>(process.model).of(layers, {0, 8}).elements.empty());
+  EXPECT_TRUE(region_of(BuiltRegion<Dim>(process.model), layers, {0, 8}).elements.empty());
 }
 
 TYPED_TEST(BuiltRegionTest, IncrementsAgreeWithDenseMatrices) {
@@ -97,12 +103,12 @@ TYPED_TEST(BuiltRegionTest, IncrementsAgreeWithDenseMatrices) {
     SolverSettings settings;
     settings.path = path;
     settings.region = SolverRegion::built;
-    ProcessSimulation<Dim> simulation(
+    ElasticProcess<Dim> simulation(
         process.model,
         make_elasticity_solver(settings, grid, process.model.domain, process.model.element,
                                process.model.material.poisson, 1e-11, widest_block),
         process.groups, BlockSolver::lanes);
-    simulation.leave_out_unbuilt(true);
+    simulation.systems().leave_out_unbuilt(true);
     simulation.simulate(layers, process.strain);
     // Increments are kept on the nodes of the region: the first block's are fewer.
     const auto count = [&](const auto& nodes) {
@@ -128,7 +134,7 @@ TYPED_TEST(BuiltRegionTest, IncrementsAgreeWithDenseMatrices) {
       });
       const auto expected = system.solve(load);
       EXPECT_GT(test::largest(expected), 0.0);
-      EXPECT_LT(test::relative_difference(process.whole(simulation.increment(j)), expected), 1e-6) << j;
+      EXPECT_LT(test::relative_difference(process.whole(simulation.layer_increment(j)), expected), 1e-6) << j;
     }
   }
 }

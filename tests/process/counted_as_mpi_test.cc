@@ -31,7 +31,8 @@ struct Simulated {
   std::vector<double> increments() const {
     std::vector<double> result;
     for (int j = 0; j < layers; ++j)
-      for (const double value : process.whole(process.simulation.increment(j, true))) result.push_back(value);
+      for (const double value : process.whole(process.simulation.layer_increment(j, true)))
+        result.push_back(value);
     return result;
   }
 

@@ -49,8 +49,9 @@ TYPED_TEST(DepositionTest, WeightsFollowTheFormula) {
     const LayerDensities layers = process.densities(process.wavy_time(), 5, 12.0);
     const Deposition<Dim> deposition(process.model);
     LaneVector weights;
-    spread(deposition.weights(layers, {1, 3}, process.model.nodes), process.model.nodes,
-           static_cast<int>(process.grid().owned_nodes().count()), weights);
+    const std::vector<BuildStep> steps = steps_of_layers(5);
+    spread(deposition.weights(layers, std::span(steps).subspan(1, 3), process.model.nodes),
+           process.model.nodes, static_cast<int>(process.grid().owned_nodes().count()), weights);
     for (int lane = 0; lane < 3; ++lane)
       EXPECT_LT(test::relative_difference(test::whole_node_field<Dim>(process.grid(), weights.lane(lane), 1),
                                           expected_weights(process, layers, 1 + lane)),
@@ -63,7 +64,8 @@ TYPED_TEST(DepositionTest, BinaryLayersCountFromTheFirstThatTouches) {
   constexpr int Dim = TypeParam::value;
   const test::ProcessCase<Dim> process({});
   const LayerDensities layers = process.densities(process.planar_time(), 4, 1.0, true);
-  const LaneVector weights = Deposition<Dim>(process.model).weights(layers, {0, 4}, process.model.nodes);
+  const LaneVector weights =
+      Deposition<Dim>(process.model).weights(layers, steps_of_layers(4), process.model.nodes);
   for (std::size_t node = 0; node < weights.unknowns(); ++node)
     for (int j = 0; j < 4; ++j) {
       EXPECT_TRUE(weights(node, j) == 0.0 || weights(node, j) == 1.0);
@@ -90,7 +92,7 @@ TYPED_TEST(DepositionTest, TheDisplacementIsTheSumOfWhatCounts) {
   EXPECT_LT(test::relative_difference(process.whole(result.displacement), expected), 1e-7);
   std::vector<double> counted(result.displacement.size(), 0.0);
   for (int j = 0; j < 10; ++j) {
-    const auto increment = process.simulation.increment(j, true);
+    const auto increment = process.simulation.layer_increment(j, true);
     for (std::size_t i = 0; i < counted.size(); ++i) counted[i] += increment[i];
   }
   EXPECT_LT(test::relative_difference(counted, result.displacement), 1e-14);

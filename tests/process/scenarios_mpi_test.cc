@@ -48,13 +48,14 @@ TYPED_TEST(ScenariosTest, AgreeWithSimulationsOfTheirOwn) {
     process.simulation.release_with({test::exact_solver});
     const LayerDensities layers = process.densities(process.wavy_time(), 5, 12.0);
     const ProcessResult& result = process.simulate(layers);
-    ASSERT_EQ(result.scenarios.size(), 4u);
-    for (std::size_t s = 0; s < result.scenarios.size(); ++s) {
+    ASSERT_EQ(result.superposition->scenarios().size(), 4u);
+    for (std::size_t s = 0; s < result.superposition->scenarios().size(); ++s) {
       settings.material = scaled<Dim>(settings.material, some_scenarios<Dim>()[s]);
       test::ProcessCase<Dim> alone(settings);
       alone.simulation.release_with({test::exact_solver});
       const ProcessResult& expected = alone.simulate(layers);
-      const ProcessResult combined = result.combined(result.scenarios[s], true);
+      const ProcessResult combined =
+          result.superposition->combined(result, result.superposition->scenarios()[s], true);
       EXPECT_LT(test::relative_difference(combined.displacement, expected.displacement), 1e-8);
       EXPECT_LT(test::relative_difference(combined.release, expected.release), 1e-7);
       for (std::size_t block = 0; block < expected.blocks.size(); ++block)
@@ -75,8 +76,9 @@ struct SumOverScenarios {
 
   double value(const ProcessResult& result) const {
     double total = 0.0;
-    for (std::size_t s = 0; s < result.scenarios.size(); ++s) {
-      const ProcessResult own = result.combined(result.scenarios[s], true);
+    for (std::size_t s = 0; s < result.superposition->scenarios().size(); ++s) {
+      const ProcessResult own =
+          result.superposition->combined(result, result.superposition->scenarios()[s], true);
       const double factor = static_cast<double>(s + 1);
       for (std::size_t i = 0; i < weights.size(); ++i)
         total += 0.5 * factor * weights[i] * (std::pow(own.displacement[i], 2) + std::pow(own.release[i], 2));
@@ -89,11 +91,12 @@ struct SumOverScenarios {
   }
   std::vector<ProcessAdjoint> derivatives(const ProcessResult& result) const {
     std::vector<ProcessAdjoint> list;
-    for (std::size_t s = 0; s < result.scenarios.size(); ++s) {
-      const ProcessResult own = result.combined(result.scenarios[s], true);
+    for (std::size_t s = 0; s < result.superposition->scenarios().size(); ++s) {
+      const ProcessResult own =
+          result.superposition->combined(result, result.superposition->scenarios()[s], true);
       const double factor = static_cast<double>(s + 1);
       ProcessAdjoint& adjoint = list.emplace_back();
-      adjoint.combination = result.scenarios[s];
+      adjoint.combination = result.superposition->scenarios()[s];
       for (std::size_t i = 0; i < weights.size(); ++i) {
         adjoint.displacement.push_back(factor * weights[i] * own.displacement[i]);
         adjoint.release.push_back(factor * weights[i] * own.release[i]);
@@ -122,9 +125,9 @@ void expect_exact_adjoint(DepositionModel deposition, bool by_cases) {
   const ProcessResult& result = process.simulate(layers);
   auto functionals = functional.derivatives(result);
   const std::size_t cases = result.other_cases.size() + 1;
-  if (by_cases) functionals = reduced(std::move(functionals), cases);
-  EXPECT_EQ(functionals.size(),
-            by_cases ? std::min(cases, result.scenarios.size()) : result.scenarios.size());
+  if (by_cases) functionals = result.superposition->reduced(std::move(functionals));
+  EXPECT_EQ(functionals.size(), by_cases ? std::min(cases, result.superposition->scenarios().size())
+                                         : result.superposition->scenarios().size());
   DensityDerivatives derivatives(count);
   process.simulation.pull_back(layers, functionals,
                                std::vector<ProcessDerivatives>(functionals.size(), {&derivatives}));

@@ -48,7 +48,8 @@ struct Functional {
       : weights(test::node_field(grid, Dim, [](std::int64_t i) { return test::noise(i, 3) - 0.3; })) {}
 
   double value(const ProcessResult& result) const {
-    const std::vector<double> u = result.combined(combination(result), false).displacement;
+    const std::vector<double> u =
+        result.superposition->combined(result, combination(result), false).displacement;
     double total = 0.0;
     for (std::size_t i = 0; i < u.size(); ++i) total += 0.5 * weights[i] * u[i] * u[i];
     return sum(PETSC_COMM_WORLD, total);
@@ -56,7 +57,7 @@ struct Functional {
   ProcessAdjoint derivative(const ProcessResult& result) const {
     ProcessAdjoint row;
     row.combination = combination(result);
-    row.displacement = result.combined(row.combination, false).displacement;
+    row.displacement = result.superposition->combined(result, row.combination, false).displacement;
     for (std::size_t i = 0; i < weights.size(); ++i) row.displacement[i] *= weights[i];
     return row;
   }
@@ -69,33 +70,40 @@ struct Functional {
   std::vector<double> weights;
 };
 
+/// `cooling`: with steps in which what stands is strained.
 template <int Dim>
-void expect_exact_adjoint(const test::CaseSettings<Dim>& settings) {
+void expect_exact_adjoint(const test::CaseSettings<Dim>& settings, bool cooling) {
   test::ProcessCase<Dim> process(settings);
-  const LayerDensities layers = process.densities(process.wavy_time(), steps, 20.0);
+  const int count = cooling ? 5 : steps;
+  const LayerDensities layers = process.densities(process.wavy_time(), count, 20.0);
   const auto strains = noisy_table(process.part(), 5), direction = noisy_table(process.part(), 300);
   const Functional<Dim> functional(process.grid());
-  const ProcessAdjoint row = functional.derivative(process.simulate(layers, strains));
-  DensityDerivatives densities(steps);
+  const auto simulate = [&](const LayerDensities& densities, const StrainSource<Dim>& source) -> const auto& {
+    return cooling ? process.simulate_cooling(densities, source) : process.simulate(densities, source);
+  };
+  const ProcessAdjoint row = functional.derivative(simulate(layers, strains));
+  DensityDerivatives densities(count);
   std::vector<double> d_inputs;
   const ProcessDerivatives derivatives{&densities, &d_inputs};
   process.simulation.pull_back(layers, {&row, 1}, {&derivatives, 1});
   const double expected = test::central_difference(
-      [&](double step) {
-        return functional.value(process.simulate(layers, test::moved(strains, step, direction)));
-      },
+      [&](double step) { return functional.value(simulate(layers, test::moved(strains, step, direction))); },
       1e-2);
   EXPECT_GT(std::abs(expected), 1e-9);
   EXPECT_NEAR(test::dot(d_inputs, direction.values), expected, 1e-7 * std::abs(expected));
   const LayerDensities towards = test::direction_of(process.part(), layers);
-  double adjoint = 0.0;
-  for (int j = 0; j < steps; ++j) adjoint += test::dot(densities.layer[j], towards.layer[j]);
-  const double by_densities = test::central_difference(
-      [&](double step) {
-        return functional.value(process.simulate(test::moved(layers, step, towards, false), strains));
-      },
-      1e-3);
-  EXPECT_NEAR(adjoint, by_densities, 1e-6 * std::abs(by_densities));
+  for (const bool stage : {true, false}) {
+    double adjoint = 0.0;
+    for (int j = 0; j < count; ++j)
+      adjoint += stage ? test::dot(densities.stage[j], towards.stage[j])
+                       : test::dot(densities.layer[j], towards.layer[j]);
+    const double by_densities = test::central_difference(
+        [&](double step) {
+          return functional.value(simulate(test::moved(layers, step, towards, stage), strains));
+        },
+        1e-3);
+    EXPECT_NEAR(adjoint, by_densities, 2e-6 * std::abs(by_densities)) << stage;
+  }
 }
 
 template <class T>
@@ -106,14 +114,51 @@ TYPED_TEST_SUITE(StrainSourceTest, test::Dimensions);
 TYPED_TEST(StrainSourceTest, AdjointAgreesWithDifferences) {
   constexpr int Dim = TypeParam::value;
   test::CaseSettings<Dim> settings;
-  expect_exact_adjoint(settings);
+  expect_exact_adjoint(settings, false);
   std::vector<double> scenario(Dim, 1.0);
   scenario[0] = 1.4;
   settings.material.scenarios = {scenario};
-  expect_exact_adjoint(settings);
+  expect_exact_adjoint(settings, false);
   settings.process.void_model = VoidModel::quiet;
   settings.process.deposition = DepositionModel::nominal;
-  expect_exact_adjoint(settings);
+  expect_exact_adjoint(settings, false);
+}
+
+TYPED_TEST(StrainSourceTest, AdjointOfStepsThatCoolAgreesWithDifferences) {
+  constexpr int Dim = TypeParam::value;
+  test::CaseSettings<Dim> settings;
+  for (const DepositionModel deposition : {DepositionModel::follow, DepositionModel::nominal}) {
+    settings.process.deposition = deposition;
+    expect_exact_adjoint(settings, true);
+  }
+}
+
+/// A step that adds nothing strains all that stands, with its stiffness.
+TYPED_TEST(StrainSourceTest, AStepThatCoolsAgreesWithDenseMatrices) {
+  constexpr int Dim = TypeParam::value;
+  test::ProcessCase<Dim> process(test::CaseSettings<Dim>{});
+  const LayerDensities layers = process.densities(process.wavy_time(), 3, 8.0);
+  process.simulate_cooling(layers, process.strain);
+  const auto element = process.brute_force_element();
+  const auto strain = test::strain_tensor<Dim>(process.settings.material.inherent_strain);
+  for (const auto& [step, layer] : {std::pair(1, 0), std::pair(3, 1), std::pair(6, 2)}) {
+    const auto stiffness = process.element_factors(layers, layer).first;
+    auto system = process.dense_system(layers, layer);
+    std::vector<double> load(system.size(), 0.0);
+    process.grid().all_elements().for_each([&](const Index<Dim>& index, std::int64_t e) {
+      for (int i = 0; i < element_unknowns<Dim>; ++i)
+        load[system.unknown(index, i)] += stiffness[e] * element.strain_load(i, strain);
+    });
+    const auto expected = system.solve(load);
+    EXPECT_GT(test::largest(expected), 0.0);
+    EXPECT_LT(test::relative_difference(process.whole(process.simulation.step_increment(step)), expected),
+              1e-7)
+        << step;
+  }
+  const std::vector<double> sum = process.simulation.layer_increment(1);
+  std::vector<double> of_steps = process.simulation.step_increment(2);
+  add_scaled(of_steps, 1.0, process.simulation.step_increment(3));
+  EXPECT_EQ(sum, of_steps);
 }
 
 /// A table of equal entries, one of entries equal in each step: whatever it says that it varies with, all

@@ -4,8 +4,8 @@
 #pragma once
 
 #include "fabseq/layers/curved_layers.h"
+#include "fabseq/process/elastic_process.h"
 #include "fabseq/process/inherent_strain.h"
-#include "fabseq/process/process_simulation.h"
 #include "fabseq/solve/reference/reference_elasticity.h"
 #include "support/brute_force.h"
 #include "support/small_parts.h"
@@ -84,6 +84,17 @@ struct ProcessCase {
   const ProcessResult& simulate(const LayerDensities& layers, const StrainSource<Dim>& strains) {
     return simulation.simulate(layers, strains);
   }
+  /// With a step that adds each layer, one in which what stands is strained, and a last one of that kind.
+  const ProcessResult& simulate_cooling(const LayerDensities& layers, const StrainSource<Dim>& strains) {
+    return simulation.simulate(layers, strains, cooling_steps(layers.count()));
+  }
+  static std::vector<BuildStep> cooling_steps(int layers) {
+    std::vector<BuildStep> result;
+    for (int layer = 0; layer < layers; ++layer)
+      for (const bool adds : {true, false}) result.push_back({layer, adds});
+    result.push_back({layers - 1, false});
+    return result;
+  }
   std::vector<double> whole(std::span<const double> node_values) const {
     return whole_node_field<Dim>(grid(), node_values, Dim);
   }
@@ -161,7 +172,7 @@ struct ProcessCase {
   ElasticModel<Dim> model;
   InherentStrain<Dim> strain{settings.material, 1.0};
   LayerGroups groups{PETSC_COMM_WORLD, 1};
-  ProcessSimulation<Dim> simulation;
+  ElasticProcess<Dim> simulation;
 };
 
 /// What the release adds to the last simulation.

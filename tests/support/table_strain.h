@@ -17,12 +17,12 @@ class TableStrain : public StrainSource<Dim> {
   TableStrain(std::size_t elements, int steps)
       : values(elements * steps * voigt_size<Dim>), steps_(static_cast<std::size_t>(steps)) {}
 
-  void set_strains(std::span<const int> elements, const LayerBlock& steps,
+  void set_strains(std::span<const int> elements, const StepBlock& steps,
                    std::span<double> strains) const override {
     for_each(elements, steps, [&](std::size_t at, std::size_t number) { strains[at] = values[number]; });
   }
   std::size_t input_count() const override { return values.size(); }
-  void add_derivatives(std::span<const int> elements, const LayerBlock& steps,
+  void add_derivatives(std::span<const int> elements, const StepBlock& steps,
                        std::span<const double> d_strains, std::span<double> d_inputs) const override {
     for_each(elements, steps, [&](std::size_t at, std::size_t number) { d_inputs[number] += d_strains[at]; });
   }
@@ -39,7 +39,7 @@ class TableStrain : public StrainSource<Dim> {
   }
   /// Calls f(place in the arrays of a block, number of the entry).
   template <class Function>
-  void for_each(std::span<const int> elements, const LayerBlock& steps, Function&& f) const {
+  void for_each(std::span<const int> elements, const StepBlock& steps, Function&& f) const {
     std::size_t at = 0;
     for (const int element : elements)
       for (int c = 0; c < voigt_size<Dim>; ++c)

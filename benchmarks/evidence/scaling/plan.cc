@@ -14,7 +14,7 @@
 #include "fabseq/base/session.h"
 #include "fabseq/config/command_line.h"
 #include "fabseq/config/setup.h"
-#include "fabseq/parallel/layer_dealing.h"
+#include "fabseq/parallel/step_dealing.h"
 #include "fabseq/process/elastic_model.h"
 #include "kernels/kernel_cost.h"
 #include "multigrid/lane_multigrid.h"
@@ -62,11 +62,11 @@ Json systems(const Json& all_ranks, const Index<3>& box, const fabseq::ElementWe
 Json deal(const Json& question) {
   const std::vector<double> work = question["work"];
   const auto dealt =
-      fabseq::deal_out_layers(work, question["groups"], fabseq::widest_block, fabseq::BlockSolver::lanes);
+      fabseq::deal_out_steps(work, question["groups"], fabseq::widest_block, fabseq::BlockSolver::lanes);
   Json result = Json::array();
   for (const auto& of_group : dealt.blocks) {
     result.push_back(Json::array());
-    for (const fabseq::LayerBlock& block : of_group) result.back().push_back({block.first, block.lanes});
+    for (const fabseq::StepBlock& block : of_group) result.back().push_back({block.first, block.lanes});
   }
   return result;
 }

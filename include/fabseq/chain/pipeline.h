@@ -23,7 +23,7 @@ namespace fabseq {
 /// fields of a design and of its gradients are this rank's share of them (LayerGroups::share), all other
 /// fields are on all copies.
 ///
-/// Groups share the layers (ProcessSimulation) and, in gradients(), the rows: a row's heat adjoint and what
+/// Groups share the layers (ElasticProcess) and, in gradients(), the rows: a row's heat adjoint and what
 /// is explicit in it belong to one group. Rows that use displacements get a part of their derivative from
 /// every group.
 template <int Dim>
@@ -39,8 +39,8 @@ class Pipeline {
   Pipeline(const Model<Dim>& model, double tolerance, PhaseTimer& timer);
 
   Sequence<Dim>& sequence() { return sequence_->sequence(); }
-  const ProcessSimulation<Dim>& process() const { return process_->simulation(); }
-  ProcessSimulation<Dim>& process() { return process_->simulation(); }
+  const ElasticProcess<Dim>& process() const { return process_->process(); }
+  ElasticProcess<Dim>& process() { return process_->process(); }
 
   /// Evaluates the stages for a design; `beta` and `binary` are those of LayerModel::make(). The state refers
   /// to results that stay valid until the next run.

@@ -13,15 +13,15 @@ class ProcessStage : public Stage<Dim> {
  public:
   explicit ProcessStage(StageContext<Dim>& context);
 
-  ProcessSimulation<Dim>& simulation() { return simulation_; }
+  ElasticProcess<Dim>& process() { return process_; }
 
   void forward(const StageInput& input, StageResults<Dim>& results) override;
   void pull_back(const PipelineState<Dim>& state, const SolveTolerance& tolerance,
                  AdjointRowSpan<Dim> rows) override;
   Phase phase() const override { return Phase::primal; }
   Phase adjoint_phase() const override { return Phase::adjoint; }
-  void start_cold() override { simulation_.start_cold(); }
-  void release_memory() override { simulation_.release_memory(); }
+  void start_cold() override { process_.start_cold(); }
+  void release_memory() override { process_.release_memory(); }
   /// By what work the layers are dealt out next.
   void save(CheckpointState& state) const override;
   void restore(const CheckpointState& state) override;
@@ -29,7 +29,7 @@ class ProcessStage : public Stage<Dim> {
 
  private:
   ElasticModel<Dim> elastic_;
-  ProcessSimulation<Dim> simulation_;
+  ElasticProcess<Dim> process_;
   std::vector<int> forward_iterations_, adjoint_iterations_;
 };
 

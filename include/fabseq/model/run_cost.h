@@ -4,7 +4,7 @@
 #pragma once
 
 #include "fabseq/model/run_size.h"
-#include "fabseq/parallel/layer_dealing.h"
+#include "fabseq/parallel/step_dealing.h"
 
 #include <mpi.h>
 

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "fabseq/process/process_simulation.h"
+#include "fabseq/layers/layers.h"
+#include "fabseq/parallel/layer_groups.h"
+#include "fabseq/process/deposition.h"
+#include "fabseq/process/process_result.h"
 
 #include <vector>
 

@@ -4,7 +4,7 @@
 #include "fabseq/grid/element_halo.h"
 #include "fabseq/kernels/lane_vector.h"
 #include "fabseq/layers/layers.h"
-#include "fabseq/parallel/layer_dealing.h"
+#include "fabseq/process/build_step.h"
 #include "fabseq/process/elastic_model.h"
 
 #include <array>
@@ -26,18 +26,19 @@ class Deposition {
   /// The model must outlive the object. Collective.
   explicit Deposition(const ElasticModel<Dim>& model);
 
-  /// w of the layers of a block on some of this rank's nodes, one component.
-  LaneVector weights(const LayerDensities& densities, const LayerBlock& block,
+  /// w of a block of steps on some of this rank's nodes, one component: that of the layer that stands.
+  LaneVector weights(const LayerDensities& densities, std::span<const BuildStep> steps,
                      std::span<const int> nodes) const;
   /// 1 - rho_j,e / rho_e of one layer, on this rank's elements and their neighbours (lexicographic), and 1
   /// behind them; 1 in the void, 0 in the substrate. Gathered once, it serves the derivatives of all
   /// functionals.
   using Missing = std::vector<double>;
   Missing missing(const std::vector<double>& stage) const;
-  /// Adds dJ/drho_j,e of a functional with these dJ/dw, in the form of weights(). `missing`: that of the
-  /// layers from `first` on.
-  void add_derivatives(const std::vector<Missing>& missing, int first, std::span<const int> nodes,
-                       const LaneVector& d_weights, DensityDerivatives& derivatives) const;
+  /// Adds dJ/drho_j,e of a functional with these dJ/dw, in the form of weights(). `missing`: that of
+  /// the steps' layers.
+  void add_derivatives(const std::vector<Missing>& missing, std::span<const BuildStep> steps,
+                       std::span<const int> nodes, const LaneVector& d_weights,
+                       DensityDerivatives& derivatives) const;
 
  private:
   /// Places in Missing of the elements at a node; outside its box, the one behind all.

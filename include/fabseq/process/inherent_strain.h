@@ -32,10 +32,10 @@ class InherentStrain : public StrainSource<Dim> {
   void set(std::span<const double> gradient, const LayerDensities& layers, std::span<const double> share);
 
   StrainVariation variation() const override;
-  void set_strains(std::span<const int> elements, const LayerBlock& steps,
+  void set_strains(std::span<const int> elements, const StepBlock& steps,
                    std::span<double> strains) const override;
   std::size_t input_count() const override { return value_count() + share_.size(); }
-  void add_derivatives(std::span<const int> elements, const LayerBlock& steps,
+  void add_derivatives(std::span<const int> elements, const StepBlock& steps,
                        std::span<const double> d_strains, std::span<double> d_inputs) const override;
 
   bool turns() const { return turned_.has_value(); }

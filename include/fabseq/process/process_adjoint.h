@@ -24,10 +24,6 @@ struct ProcessAdjoint {
   bool is_zero() const { return displacement.empty() && increments.empty() && release.empty(); }
 };
 
-/// The same sum of functionals with one of them for each case, if that makes them fewer: each costs an
-/// adjoint solve. Local; ranks with the same numbers of functionals get the same number.
-std::vector<ProcessAdjoint> reduced(std::vector<ProcessAdjoint> functionals, std::size_t cases);
-
 /// dJ/dw_j = (dJ/du + dJ/d(counted du_j)) . du_j at the nodes of a block of layers, for its increments of the
 /// functional's combination. Not collective.
 LaneVector weight_derivatives(const ProcessAdjoint& functional, const ProcessResult& result,

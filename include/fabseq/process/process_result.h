@@ -2,7 +2,8 @@
 #pragma once
 
 #include "fabseq/kernels/lane_vector.h"
-#include "fabseq/parallel/layer_dealing.h"
+#include "fabseq/parallel/step_dealing.h"
+#include "fabseq/process/build_step.h"
 
 #include <mpi.h>
 
@@ -17,25 +18,35 @@ void add_scaled(std::vector<double>& to, double factor, const std::vector<double
 
 /// Displacements that one strain leads to, on this rank's nodes, length unit.
 struct CaseDisplacements {
-  std::vector<LaneVector> increments;  ///< of the layers of this rank's group, by block, on
+  std::vector<LaneVector> increments;  ///< of the steps of this rank's group, by block, on
                                        ///< ProcessResult::nodes: [node][component][lane]
-  std::vector<double> displacement;    ///< u, all layers' sum, [owned node][component]
+  std::vector<double> displacement;    ///< u, all steps' sum, [owned node][component]
   std::vector<double> release;         ///< v, what the release adds to u; empty if that is not asked for
 };
 
-/// What a simulated process leads to, with the strain as given and with the other cases of StrainCases.
+class Superposition;
+
+/// What a simulated process leads to, with the strain as given and, where it is linear in the strain, with
+/// the other cases of its superposition.
 struct ProcessResult : CaseDisplacements {
-  MPI_Comm all_layers = MPI_COMM_NULL;      ///< the ranks that together have the increments of all layers
-  std::vector<LayerBlock> blocks;           ///< the layers of this rank's group
+  MPI_Comm all_layers = MPI_COMM_NULL;      ///< the ranks that together have the increments of all steps
+  std::vector<BuildStep> steps;             ///< all; a block has all of a layer
+  std::vector<StepBlock> blocks;            ///< the steps of this rank's group
   std::vector<std::span<const int>> nodes;  ///< by block: this rank's nodes that have increments, ascending;
                                             ///< valid until the next simulation
   std::vector<LaneVector> weights;  ///< share of increments that counts (Deposition), [one of the block's
                                     ///< `nodes`][lane]; empty: all
-  std::vector<int> iterations;      ///< of each layer's solve, all layers; of all cases the largest
+  std::vector<int> iterations;      ///< of each step's solve, all steps; of all cases the largest
   std::vector<CaseDisplacements> other_cases;
-  std::vector<std::vector<double>> scenarios;  ///< combinations of the cases, StrainCases::scenarios
+  const Superposition* superposition = nullptr;  ///< of the cases; null: the process is not linear
 
-  /// What counts of the increment of an unknown (node * components + component) in a layer of a block.
+  /// Whether displacements are linear in the strain.
+  bool linear() const { return superposition != nullptr; }
+  /// The steps of a block.
+  std::span<const BuildStep> steps_of(std::size_t block) const {
+    return std::span(steps).subspan(blocks[block].first, blocks[block].lanes);
+  }
+  /// What counts of the increment of an unknown (node * components + component) in a step of a block.
   double counted(std::size_t block, std::size_t unknown, int lane) const {
     const LaneVector& increment = increments[block];
     if (weights.empty()) return increment(unknown, lane);
@@ -52,14 +63,6 @@ struct ProcessResult : CaseDisplacements {
   const CaseDisplacements& of_case(std::size_t number) const {
     return number == 0 ? *this : other_cases[number - 1];
   }
-  /// The result for a combination of the cases, which has no other cases; increments, which take memory, only
-  /// if asked for.
-  ProcessResult combined(std::span<const double> combination, bool with_increments) const;
-  /// The result of a process that leads to a displacement at once: it has no increments, other cases or
-  /// release.
-  ProcessResult at_once(std::vector<double> displacement) const;
-  /// Increments of a block for a combination of the cases.
-  LaneVector combined_increments(std::span<const double> combination, std::size_t block) const;
 };
 
 }  // namespace fabseq

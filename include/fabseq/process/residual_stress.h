@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "fabseq/process/process_simulation.h"
+#include "fabseq/process/elastic_process.h"
 
 #include <array>
 #include <span>
@@ -9,12 +9,11 @@
 
 namespace fabseq {
 
-/// sigma = sum_j [E_j C B du_j - (drho_j)^q E_0 C eps*] at the centres of the model's elements, [owned
-/// element][Voigt], stress unit, 0 outside the model; from the simulation's last result
+/// sigma = sum_s [E_j C B du_s - (drho_j)^q E_0 C eps*_s] at the centres of the model's elements, [owned
+/// element][Voigt], stress unit, 0 outside the model; from the last result of the process
 /// (docs/formulation.md 4.3). Collective.
 template <int Dim>
-std::vector<double> residual_stress(const ProcessSimulation<Dim>& simulation,
-                                    const LayerDensities& densities);
+std::vector<double> residual_stress(const ElasticProcess<Dim>& process, const LayerDensities& densities);
 
 /// E_N C B v, what a displacement v of the finished part ([owned node][component]) adds to it. Collective on
 /// the grid's communicator.

@@ -2,23 +2,25 @@
 #pragma once
 
 #include "fabseq/parallel/layer_groups.h"
+#include "fabseq/process/built_region.h"
 #include "fabseq/solve/elasticity_solver.h"
 
+#include <cstddef>
 #include <vector>
 
 namespace fabseq {
 
-/// Iterations that the layers' solves of a simulation, or of its adjoints, have taken.
+/// Iterations that the steps' solves of a simulation, or of its adjoints, have taken.
 struct SolveCount {
-  explicit SolveCount(int layers) : largest(layers, 0), all(layers, 0) {}
+  explicit SolveCount(std::size_t steps) : largest(steps, 0), all(steps, 0) {}
 
-  /// Notes solves of layers from `layer` on. Throws NumericalError naming the first of them that did not
-  /// converge, as a solve of the kind `what`. Not collective.
-  void add(const std::vector<SolveReport>& reports, int layer, const char* what);
+  /// Notes solves of a block of steps. Throws NumericalError naming the layer of the first of them that did
+  /// not converge, as a solve of the kind `what`. Not collective.
+  void add(const std::vector<SolveReport>& reports, const BlockRegion& block, const char* what);
   /// From now on of all groups. Collective on the world, in one message.
   void gather(const LayerGroups& groups);
 
-  std::vector<int> largest;  ///< of each layer's solves
+  std::vector<int> largest;  ///< of each step's solves
   std::vector<int> all;      ///< their sum
 };
 

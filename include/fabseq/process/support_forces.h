@@ -12,8 +12,8 @@
 
 namespace fabseq {
 
-/// What the supports do to the systems of the layers: reactions, and supports that move (docs/formulation.md
-/// 4.3). `region`: the layers in the lanes, and the elements that their systems have. Calls are collective on
+/// What the supports do to the systems of the steps: reactions, and supports that move (docs/formulation.md
+/// 4.3). `region`: the steps in the lanes, and the elements that their systems have. Calls are collective on
 /// the grid's communicator.
 template <int Dim>
 class SupportForces {
@@ -25,7 +25,7 @@ class SupportForces {
   void add_reactions(const LayerDensities& densities, const StrainSource<Dim>& strains,
                      const BlockRegion& region, const LaneVector& increments,
                      std::span<double> reactions) const;
-  /// Takes K_j w from the loads of the layers, w ([owned node][component]) counting on the supports only:
+  /// Takes K_j w from the loads of the steps, w ([owned node][component]) counting on the supports only:
   /// loads of a system whose supports are moved by w.
   void subtract_motion(const LayerDensities& densities, const BlockRegion& region,
                        std::span<const double> motion, LaneVector& loads) const;
@@ -39,7 +39,7 @@ class SupportForces {
   }
 
   using ElementLoad = typename ElasticModel<Dim>::ElementLoad;
-  /// f_j of the elements at supports, summed over the layers of a region, in the order of `elements_`.
+  /// f_j of the elements at supports, summed over the steps of a region, in the order of `elements_`.
   std::vector<ElementLoad> summed_loads(const LayerDensities& densities, const StrainSource<Dim>& strains,
                                         const BlockRegion& region) const;
 

@@ -4,8 +4,8 @@
 #pragma once
 
 #include "fabseq/layers/layers.h"
+#include "fabseq/process/elastic_process.h"
 #include "fabseq/process/process_adjoint.h"
-#include "fabseq/process/process_simulation.h"
 #include "fabseq/sequence/sequence.h"
 #include "fabseq/thermal/layer_temperatures.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/parallel/layer_dealing.h"
+#include "fabseq/parallel/step_dealing.h"
 
 #include <algorithm>
 #include <bit>
@@ -25,7 +25,7 @@ constexpr int most_halvings = 8;
 constexpr std::size_t most_candidates = 32;
 
 struct WeighedBlock {
-  LayerBlock block;
+  StepBlock block;
   double work = 0.0;
 };
 
@@ -34,11 +34,11 @@ WeighedBlock weighed(std::span<const double> work, int first, int lanes, BlockSo
 }
 
 /// Deals blocks out by the rule "longest processing time first" and leaves them in that order.
-LayerDeal deal(std::vector<WeighedBlock>& blocks, int groups) {
+StepDeal deal(std::vector<WeighedBlock>& blocks, int groups) {
   std::sort(blocks.begin(), blocks.end(), [](const WeighedBlock& a, const WeighedBlock& b) {
     return a.work != b.work ? a.work > b.work : a.block.first < b.block.first;
   });
-  LayerDeal result;
+  StepDeal result;
   result.blocks.resize(groups);
   std::vector<double> sums(groups, 0.0);
   for (const WeighedBlock& block : blocks) {
@@ -50,24 +50,50 @@ LayerDeal deal(std::vector<WeighedBlock>& blocks, int groups) {
   result.total = std::accumulate(sums.begin(), sums.end(), 0.0);
   for (auto& of_group : result.blocks)
     std::sort(of_group.begin(), of_group.end(),
-              [](const LayerBlock& a, const LayerBlock& b) { return a.first < b.first; });
+              [](const StepBlock& a, const StepBlock& b) { return a.first < b.first; });
   return result;
 }
 
-/// Halves the block whose halving leaves the least work to the longest group. Empties `blocks` if all are
-/// single layers.
-LayerDeal halve_best(std::vector<WeighedBlock>& blocks, std::span<const double> work, int groups,
-                     BlockSolver solver) {
-  LayerDeal best;
+/// Where blocks may end: behind any step, or behind the last one of a layer.
+class BlockEnds {
+ public:
+  BlockEnds(std::size_t steps, std::span<const int> layers)
+      : steps_(static_cast<int>(steps)), layers_(layers) {}
+
+  /// End of a block from `first` on, of at most so many steps, or of a layer's.
+  int end(int first, int most) const {
+    int result = std::min(first + most, steps_);
+    while (result > first && !may_end(result)) --result;
+    if (result > first) return result;
+    do ++result;
+    while (!may_end(result));
+    return result;
+  }
+
+ private:
+  bool may_end(int step) const {
+    return step == steps_ || layers_.empty() || layers_[step] != layers_[step - 1];
+  }
+
+  int steps_;
+  std::span<const int> layers_;
+};
+
+/// Halves the block whose halving leaves the least work to the longest group. Empties `blocks` if none can be
+/// halved.
+StepDeal halve_best(std::vector<WeighedBlock>& blocks, std::span<const double> work, int groups,
+                    BlockSolver solver, const BlockEnds& ends) {
+  StepDeal best;
   std::vector<WeighedBlock> best_blocks;
   for (std::size_t number = 0; number < std::min(blocks.size(), most_candidates); ++number) {
-    const LayerBlock whole = blocks[number].block;
-    if (whole.lanes == 1) continue;
-    const auto half = static_cast<int>(std::bit_ceil(static_cast<unsigned>(whole.lanes)) / 2);
+    const StepBlock whole = blocks[number].block;
+    const auto most = static_cast<int>(std::bit_ceil(static_cast<unsigned>(whole.lanes)) / 2);
+    const int half = most == 0 ? whole.lanes : ends.end(whole.first, most) - whole.first;
+    if (half >= whole.lanes) continue;  // a single step, or a single layer
     std::vector<WeighedBlock> tried = blocks;
     tried[number] = weighed(work, whole.first, half, solver);
     tried.push_back(weighed(work, whole.first + half, whole.lanes - half, solver));
-    LayerDeal next = deal(tried, groups);
+    StepDeal next = deal(tried, groups);
     if (!best_blocks.empty() && next.longest >= best.longest) continue;
     best = std::move(next);
     best_blocks = std::move(tried);
@@ -90,17 +116,21 @@ double block_work(std::span<const double> work, BlockSolver solver) {
          relative_cost(1) * (left_until(0) - left_until(1));
 }
 
-LayerDeal deal_out_layers(std::span<const double> work, int groups, int widest, BlockSolver solver) {
-  const int layers = static_cast<int>(work.size());
+StepDeal deal_out_steps(std::span<const double> work, int groups, int widest, BlockSolver solver,
+                        std::span<const int> layers) {
+  const BlockEnds ends(work.size(), layers);
   std::vector<WeighedBlock> blocks;
-  for (int first = 0; first < layers; first += widest)
-    blocks.push_back(weighed(work, first, std::min(widest, layers - first), solver));
-  LayerDeal best = deal(blocks, groups);
+  for (int first = 0; first < static_cast<int>(work.size());) {
+    const int end = ends.end(first, widest);
+    blocks.push_back(weighed(work, first, end - first, solver));
+    first = end;
+  }
+  StepDeal best = deal(blocks, groups);
   double total = 0.0;
   for (const WeighedBlock& block : blocks) total += block.work;
   for (int step = 0; groups > 1 && step < most_halvings * groups; ++step) {
     if (best.longest * groups <= (1.0 + worthwhile) * total) break;
-    LayerDeal next = halve_best(blocks, work, groups, solver);
+    StepDeal next = halve_best(blocks, work, groups, solver, ends);
     if (blocks.empty()) break;
     if (next.longest < (1.0 - worthwhile) * best.longest) best = std::move(next);
   }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "fabseq/layers/layers.h"
+#include "fabseq/process/build_step.h"
 #include "fabseq/process/elastic_model.h"
 #include "fabseq/process/strain_source.h"
 
@@ -9,9 +11,8 @@
 
 namespace fabseq {
 
-/// What a layer deposits: elements with load factors drho^q and the strains that they multiply
-/// (docs/formulation.md 4.1).
-struct LayerDeposit {
+/// What is strained in a step: elements with load factors and the strains that they multiply (BuildStep).
+struct StrainedElements {
   std::vector<int> elements;    ///< part elements whose factor is not 0
   std::vector<double> factors;  ///< [one of these]
   std::vector<double> strains;  ///< [one of these][Voigt]
@@ -22,9 +23,10 @@ struct LayerDeposit {
   }
 };
 
-/// What a layer, by its number, with these densities deposits in some of the part's elements. Local.
+/// What is strained in a step, by its number, of some of the part's elements. Local.
 template <int Dim>
-LayerDeposit layer_deposit(const ElasticModel<Dim>& model, const StrainSource<Dim>& strains,
-                           std::span<const double> densities, int layer, std::span<const int> elements);
+StrainedElements strained_elements(const ElasticModel<Dim>& model, const StrainSource<Dim>& strains,
+                                   const LayerDensities& densities, const BuildStep& step, int number,
+                                   std::span<const int> elements);
 
 }  // namespace fabseq

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// The layer-by-layer simulation against dense matrices and exact solutions, its adjoint against differences
 /// (formulation 4.1, 8).
-#include "fabseq/process/process_simulation.h"
+#include "fabseq/process/elastic_process.h"
 #include "support/process_case.h"
 #include "support/table_strain.h"
 
@@ -13,10 +13,10 @@ namespace fabseq {
 namespace {
 
 template <class T>
-class ProcessSimulationTest : public testing::Test {};
-TYPED_TEST_SUITE(ProcessSimulationTest, test::Dimensions);
+class ElasticProcessTest : public testing::Test {};
+TYPED_TEST_SUITE(ElasticProcessTest, test::Dimensions);
 
-TYPED_TEST(ProcessSimulationTest, AgreesWithDenseMatrices) {
+TYPED_TEST(ElasticProcessTest, AgreesWithDenseMatrices) {
   constexpr int Dim = TypeParam::value;
   for (auto settings : test::void_models<Dim>()) {
     settings.process.stiffness_penalty = 2.5;
@@ -28,7 +28,7 @@ TYPED_TEST(ProcessSimulationTest, AgreesWithDenseMatrices) {
     ASSERT_EQ(result.iterations.size(), 10u);
     std::vector<double> total(expected[0].size(), 0.0);
     for (int j = 0; j < 10; ++j) {
-      const auto increment = process.whole(process.simulation.increment(j));
+      const auto increment = process.whole(process.simulation.layer_increment(j));
       EXPECT_LT(test::relative_difference(increment, expected[j]), 1e-7) << j;
       for (std::size_t i = 0; i < total.size(); ++i) total[i] += expected[j][i];
     }
@@ -43,7 +43,7 @@ std::vector<double> ones(int layers) {
 }
 
 /// Every element with a strain of its own, and with a substrate on clamps.
-TYPED_TEST(ProcessSimulationTest, StrainsOfTheElementsAgreeWithDenseMatrices) {
+TYPED_TEST(ElasticProcessTest, StrainsOfTheElementsAgreeWithDenseMatrices) {
   constexpr int Dim = TypeParam::value;
   auto cases = test::void_models<Dim>();
   for (const auto& settings : test::clamped_cases<Dim>()) cases.push_back(settings);
@@ -65,7 +65,7 @@ TYPED_TEST(ProcessSimulationTest, StrainsOfTheElementsAgreeWithDenseMatrices) {
 }
 
 /// Every element with a strain and every layer with factors; more layers than are solved side by side.
-TYPED_TEST(ProcessSimulationTest, FactorsOfTheLayersAgreeWithDenseMatrices) {
+TYPED_TEST(ElasticProcessTest, FactorsOfTheLayersAgreeWithDenseMatrices) {
   constexpr int Dim = TypeParam::value;
   auto cases = test::void_models<Dim>();
   for (const auto& settings : test::clamped_cases<Dim>()) cases.push_back(settings);
@@ -83,7 +83,8 @@ TYPED_TEST(ProcessSimulationTest, FactorsOfTheLayersAgreeWithDenseMatrices) {
         of_elements[i] *= factors[j * voigt_size<Dim> + i % voigt_size<Dim>];
       const auto system = process.dense_system(layers, j);
       const auto expected = system.solve(process.dense_load(layers, j, system, of_elements));
-      EXPECT_LT(test::relative_difference(process.whole(process.simulation.increment(j)), expected), 1e-7)
+      EXPECT_LT(test::relative_difference(process.whole(process.simulation.layer_increment(j)), expected),
+                1e-7)
           << j;
     }
   }
@@ -91,7 +92,7 @@ TYPED_TEST(ProcessSimulationTest, FactorsOfTheLayersAgreeWithDenseMatrices) {
 
 /// A strain along the normal of planar layers fits the plate and all layers without stress: what is below
 /// stays, the layer stretches, and what is above follows as a whole (void absent), overhanging or not.
-TYPED_TEST(ProcessSimulationTest, NormalStrainOfPlanarLayersAddsUpExactly) {
+TYPED_TEST(ElasticProcessTest, NormalStrainOfPlanarLayersAddsUpExactly) {
   constexpr int Dim = TypeParam::value;
   const double strain = -0.013;
   for (const BuildPlate plate : {BuildPlate{Dim - 1, false}, BuildPlate{0, true}})
@@ -119,18 +120,18 @@ TYPED_TEST(ProcessSimulationTest, NormalStrainOfPlanarLayersAddsUpExactly) {
       }
 }
 
-TYPED_TEST(ProcessSimulationTest, AnEmptyLayerAddsNothing) {
+TYPED_TEST(ElasticProcessTest, AnEmptyLayerAddsNothing) {
   constexpr int Dim = TypeParam::value;
   test::ProcessCase<Dim> process(test::CaseSettings<Dim>{});
   auto time = process.planar_time();
   for (double& t : time) t = t < 0.5 ? 0.1 : 0.9;
   const ProcessResult& result = process.simulate(process.densities(time, 3, 10.0, true));
-  EXPECT_EQ(test::largest(process.simulation.increment(1)), 0.0);
+  EXPECT_EQ(test::largest(process.simulation.layer_increment(1)), 0.0);
   EXPECT_EQ(result.iterations[1], 0);
-  EXPECT_GT(max(PETSC_COMM_WORLD, test::largest(process.simulation.increment(2))), 1e-4);
+  EXPECT_GT(max(PETSC_COMM_WORLD, test::largest(process.simulation.layer_increment(2))), 1e-4);
 }
 
-TYPED_TEST(ProcessSimulationTest, DoesNotDependOnYoungsModulus) {
+TYPED_TEST(ElasticProcessTest, DoesNotDependOnYoungsModulus) {
   constexpr int Dim = TypeParam::value;
   test::CaseSettings<Dim> settings;
   test::ProcessCase<Dim> unit(settings);
@@ -142,7 +143,7 @@ TYPED_TEST(ProcessSimulationTest, DoesNotDependOnYoungsModulus) {
   EXPECT_LT(test::relative_difference(actual, expected), 1e-11);
 }
 
-TYPED_TEST(ProcessSimulationTest, IsLinearInTheStrain) {
+TYPED_TEST(ElasticProcessTest, IsLinearInTheStrain) {
   constexpr int Dim = TypeParam::value;
   const auto displacement = [&](double isotropic, double other) {
     test::CaseSettings<Dim> settings;
@@ -225,7 +226,7 @@ void expect_exact_adjoint(const test::CaseSettings<Dim>& settings, int count) {
   }
 }
 
-TYPED_TEST(ProcessSimulationTest, AdjointAgreesWithDifferences) {
+TYPED_TEST(ElasticProcessTest, AdjointAgreesWithDifferences) {
   test::CaseSettings<TypeParam::value> settings;
   settings.process.strain_penalty = 3.5;
   expect_exact_adjoint(settings, 9);  // more than are solved side by side
@@ -233,7 +234,7 @@ TYPED_TEST(ProcessSimulationTest, AdjointAgreesWithDifferences) {
   expect_exact_adjoint(settings, 2);
 }
 
-TYPED_TEST(ProcessSimulationTest, AdjointOfNominalDepositionAgreesWithDifferences) {
+TYPED_TEST(ElasticProcessTest, AdjointOfNominalDepositionAgreesWithDifferences) {
   auto cases = test::void_models<TypeParam::value>();
   for (const auto& settings : test::clamped_cases<TypeParam::value>()) cases.push_back(settings);
   for (auto& settings : cases) {

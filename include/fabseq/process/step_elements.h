@@ -14,18 +14,18 @@
 
 namespace fabseq {
 
-/// What the elements contribute to the systems of a block of layers, side by side, and to their derivatives
+/// What the elements contribute to the systems of a block of steps, side by side, and to their derivatives
 /// (docs/formulation.md 4.1, 8). `region`: the block and its elements; others have no stiffness, load or
 /// derivatives.
 template <int Dim>
-class LayerElements {
+class StepElements {
  public:
   /// The model must outlive the object.
-  explicit LayerElements(const ElasticModel<Dim>& model);
+  explicit StepElements(const ElasticModel<Dim>& model);
 
   /// Stiffness factor of each element of the model, [element][lane].
   std::vector<double> stiffness(const LayerDensities& densities, const BlockRegion& region) const;
-  /// Sets `load` to f_j, one lane per layer. Collective.
+  /// Sets `load` to f_s (BuildStep), one lane per step. Collective.
   void set_load(const LayerDensities& densities, const BlockRegion& region, const StrainSource<Dim>& strains,
                 LaneVector& load) const;
   /// Adds dJ/drho_j,e = E' lambda^T K_0 du and dJ/d(drho_j,e) = -q drho^(q-1) lambda^T f_0 for the increments
@@ -38,11 +38,14 @@ class LayerElements {
 
  private:
   using ElementLoad = typename ElasticModel<Dim>::ElementLoad;
-  /// Part elements begin ... end - 1 and the layers of a chunk of lanes.
+  /// Part elements begin ... end - 1 and the steps of a chunk of lanes.
   struct Chunk {
     std::size_t begin = 0, end = 0;
-    int first_layer = 0;
+    int first_lane = 0;
     const BlockRegion& region;
+
+    const BuildStep& step(int number) const { return region.steps[first_lane + number]; }
+    StepBlock steps(int count) const { return {region.block.first + first_lane, count}; }
   };
   /// The strains of a block, and their load in a full element where they are the same everywhere.
   struct Strains {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/process/layer_elements.h"
+#include "fabseq/process/step_elements.h"
 
 #include "fabseq/base/log_event.h"
+#include "fabseq/process/load_factors.h"
 #include "kernels/element_energy.h"
 
 #include <algorithm>
@@ -25,11 +26,11 @@ void set_unit_load(const ElasticModel<Dim>& model, const double* strain,
 }  // namespace
 
 template <int Dim>
-LayerElements<Dim>::LayerElements(const ElasticModel<Dim>& model)
+StepElements<Dim>::StepElements(const ElasticModel<Dim>& model)
     : model_(model), stiffness_(model.element.stiffness()) {}
 
 template <int Dim>
-LayerElements<Dim>::Strains::Strains(const ElasticModel<Dim>& model, const StrainSource<Dim>& source_)
+StepElements<Dim>::Strains::Strains(const ElasticModel<Dim>& model, const StrainSource<Dim>& source_)
     : source(source_), variation(source.variation()) {
   if (variation != StrainVariation::none) return;
   std::array<double, voigt_size<Dim>> strain;
@@ -40,18 +41,18 @@ LayerElements<Dim>::Strains::Strains(const ElasticModel<Dim>& model, const Strai
 
 template <int Dim>
 template <class Use>
-void LayerElements<Dim>::for_chunks(const BlockRegion& region, Use&& use) const {
+void StepElements<Dim>::for_chunks(const BlockRegion& region, Use&& use) const {
   const std::size_t elements = model_.part_position.size();
   for (std::size_t begin = 0; begin < elements; begin += chunk_size)
     for_lane_chunks(region.block.lanes, [&]<int Width>(int lane) {
-      const Chunk chunk{begin, std::min(begin + chunk_size, elements), region.block.first + lane, region};
+      const Chunk chunk{begin, std::min(begin + chunk_size, elements), lane, region};
       use.template operator()<Width>(chunk, lane);
     });
 }
 
 template <int Dim>
-std::vector<double> LayerElements<Dim>::stiffness(const LayerDensities& densities,
-                                                  const BlockRegion& region) const {
+std::vector<double> StepElements<Dim>::stiffness(const LayerDensities& densities,
+                                                 const BlockRegion& region) const {
   const int lanes = region.block.lanes;
   // Elements outside the part, where the model has any, keep theirs.
   static const std::vector<double> none;
@@ -61,7 +62,7 @@ std::vector<double> LayerElements<Dim>::stiffness(const LayerDensities& densitie
       std::fill_n(&result[e * lanes], lanes, model_.stiffness(model_.stage_density(none, e)));
   for_chunks(region, [&]<int Width>(const Chunk& chunk, int lane) {
     for (int i = 0; i < Width; ++i) {
-      const auto& stage = densities.stage[chunk.first_layer + i];
+      const auto& stage = densities.stage[chunk.step(i).layer];
       for (std::size_t e = chunk.begin; e < chunk.end; ++e)
         result[static_cast<std::size_t>(model_.part_position[e]) * lanes + lane + i] =
             counts(chunk, e) ? model_.stiffness(stage[e]) : 0.0;
@@ -71,8 +72,8 @@ std::vector<double> LayerElements<Dim>::stiffness(const LayerDensities& densitie
 }
 
 template <int Dim>
-void LayerElements<Dim>::set_load(const LayerDensities& densities, const BlockRegion& region,
-                                  const StrainSource<Dim>& strains, LaneVector& load) const {
+void StepElements<Dim>::set_load(const LayerDensities& densities, const BlockRegion& region,
+                                 const StrainSource<Dim>& strains, LaneVector& load) const {
   static const LogEvent event("fabseq loads");
   const auto scope = event.enter();
   const Grid<Dim>& grid = model_.part.grid();
@@ -89,10 +90,10 @@ void LayerElements<Dim>::set_load(const LayerDensities& densities, const BlockRe
 
 template <int Dim>
 template <int Width, class Use>
-void LayerElements<Dim>::for_batches(const Strains& strains, const Chunk& chunk,
-                                     std::span<const int> elements, Use&& use) {
+void StepElements<Dim>::for_batches(const Strains& strains, const Chunk& chunk, std::span<const int> elements,
+                                    Use&& use) {
   constexpr std::size_t size = voigt_size<Dim> * Width;
-  const LayerBlock steps{chunk.first_layer, Width};
+  const StepBlock steps = chunk.steps(Width);
   std::array<double, batch_size * size> values;
   const bool own = strains.variation == StrainVariation::by_element;
   for (std::size_t first = 0; first < elements.size(); first += batch_size) {
@@ -107,15 +108,15 @@ void LayerElements<Dim>::for_batches(const Strains& strains, const Chunk& chunk,
 
 template <int Dim>
 template <int Width>
-void LayerElements<Dim>::add_load(const LayerDensities& densities, const Strains& strains, const Chunk& chunk,
-                                  double* load, int lanes) const {
+void StepElements<Dim>::add_load(const LayerDensities& densities, const Strains& strains, const Chunk& chunk,
+                                 double* load, int lanes) const {
   std::array<double, chunk_size * Width> factors;
   for (int i = 0; i < Width; ++i) {
-    const auto& layer = densities.layer[chunk.first_layer + i];
+    const LoadFactors<Dim> of_step(model_, densities, chunk.step(i));
     for (std::size_t e = chunk.begin; e < chunk.end; ++e)
-      factors[(e - chunk.begin) * Width + i] = counts(chunk, e) ? model_.load(layer[e]) : 0.0;
+      factors[(e - chunk.begin) * Width + i] = counts(chunk, e) ? of_step(e) : 0.0;
   }
-  std::array<int, chunk_size> room;  // an element belongs to few layers
+  std::array<int, chunk_size> room;  // an element is loaded in few steps
   std::size_t count = 0;
   for (std::size_t e = chunk.begin; e < chunk.end; ++e) {
     const double* of_element = &factors[(e - chunk.begin) * Width];
@@ -125,7 +126,7 @@ void LayerElements<Dim>::add_load(const LayerDensities& densities, const Strains
   const auto loaded = std::span<const int>(room).first(count);
   const auto& corners = model_.part.first_corners();
   const auto& offsets = model_.part.grid().corner_offsets();
-  std::array<Lanes<Width>, element_unknowns<Dim>> unit_load;  // in full elements, one lane per layer
+  std::array<Lanes<Width>, element_unknowns<Dim>> unit_load;  // in full elements, one lane per step
   const auto add = [&](int e) {
     const auto factor = Lanes<Width>::load(&factors[(e - chunk.begin) * Width]);
     for (int corner = 0; corner < corner_count<Dim>; ++corner)
@@ -152,17 +153,17 @@ void LayerElements<Dim>::add_load(const LayerDensities& densities, const Strains
 }
 
 template <int Dim>
-void LayerElements<Dim>::add_derivatives(const LayerDensities& densities, const BlockRegion& region,
-                                         const StrainSource<Dim>& strains, const LaneVector& increments,
-                                         const LaneVector& adjoints, DensityDerivatives& derivatives,
-                                         std::span<double> d_inputs) const {
+void StepElements<Dim>::add_derivatives(const LayerDensities& densities, const BlockRegion& region,
+                                        const StrainSource<Dim>& strains, const LaneVector& increments,
+                                        const LaneVector& adjoints, DensityDerivatives& derivatives,
+                                        std::span<double> d_inputs) const {
   static const LogEvent event("fabseq derivatives");
   const auto scope = event.enter();
   const Strains of_block(model_, strains);
   const int lanes = increments.lanes;
-  for (int layer = region.block.first; layer < region.block.first + lanes; ++layer) {
-    DensityDerivatives::zeros_if_empty(derivatives.stage[layer], model_.part_position.size());
-    DensityDerivatives::zeros_if_empty(derivatives.layer[layer], model_.part_position.size());
+  for (const BuildStep& step : region.steps) {
+    DensityDerivatives::zeros_if_empty(derivatives.stage[step.layer], model_.part_position.size());
+    DensityDerivatives::zeros_if_empty(derivatives.layer[step.layer], model_.part_position.size());
   }
   std::vector<double> u_room, lambda_room;
   const double* u = ghosted(increments, u_room);
@@ -174,9 +175,9 @@ void LayerElements<Dim>::add_derivatives(const LayerDensities& densities, const 
 
 template <int Dim>
 template <int Width>
-void LayerElements<Dim>::add_derivatives(const LayerDensities& densities, const Strains& strains,
-                                         const Chunk& chunk, const double* u, const double* lambda, int lanes,
-                                         DensityDerivatives& derivatives, std::span<double> d_inputs) const {
+void StepElements<Dim>::add_derivatives(const LayerDensities& densities, const Strains& strains,
+                                        const Chunk& chunk, const double* u, const double* lambda, int lanes,
+                                        DensityDerivatives& derivatives, std::span<double> d_inputs) const {
   bool any_counts = false;
   for (std::size_t e = chunk.begin; e < chunk.end && !any_counts; ++e) any_counts = counts(chunk, e);
   if (!any_counts) return;
@@ -191,16 +192,16 @@ void LayerElements<Dim>::add_derivatives(const LayerDensities& densities, const 
   if (strains.variation != StrainVariation::none || !d_inputs.empty())
     add_strain_derivatives<Width>(densities, strains, chunk, lambda, lanes, work, d_inputs);
   for (int i = 0; i < Width; ++i) {
-    const int layer = chunk.first_layer + i;
-    const double* stage_density = densities.stage[layer].data();
-    const double* layer_density = densities.layer[layer].data();
-    double* d_stage = derivatives.stage[layer].data();
-    double* d_layer = derivatives.layer[layer].data();
+    const BuildStep& step = chunk.step(i);
+    const double* stage_density = densities.stage[step.layer].data();
+    double* d_stage = derivatives.stage[step.layer].data();
+    const LoadFactors<Dim> load_factors(model_, densities, step);
+    double* d_loaded = step.adds ? derivatives.layer[step.layer].data() : d_stage;
     for (std::size_t e = chunk.begin; e < chunk.end; ++e) {
       if (!counts(chunk, e)) continue;
       const std::size_t at = (e - chunk.begin) * Width + i;
       d_stage[e] += model_.stiffness_derivative(stage_density[e]) * mutual[at];
-      d_layer[e] -= model_.load_derivative(layer_density[e]) * work[at];
+      d_loaded[e] -= load_factors.derivative(e) * work[at];
     }
   }
 }
@@ -209,22 +210,23 @@ void LayerElements<Dim>::add_derivatives(const LayerDensities& densities, const 
 /// dJ/d(eps_jc) = -drho_j^q lambda_j^T f_c.
 template <int Dim>
 template <int Width>
-void LayerElements<Dim>::add_strain_derivatives(const LayerDensities& densities, const Strains& strains,
-                                                const Chunk& chunk, const double* lambda, int lanes,
-                                                std::span<double> work, std::span<double> d_inputs) const {
+void StepElements<Dim>::add_strain_derivatives(const LayerDensities& densities, const Strains& strains,
+                                               const Chunk& chunk, const double* lambda, int lanes,
+                                               std::span<double> work, std::span<double> d_inputs) const {
   constexpr int components = voigt_size<Dim>;
   const auto& corners = model_.part.first_corners();
   const auto& offsets = model_.part.grid().corner_offsets();
-  std::array<int, chunk_size> room;  // an element belongs to few layers
+  std::array<int, chunk_size> room;  // an element is loaded in few steps
   std::array<double, chunk_size * Width> factors;
   std::size_t count = 0;
+  std::vector<LoadFactors<Dim>> of_steps;
+  for (int i = 0; i < Width; ++i) of_steps.emplace_back(model_, densities, chunk.step(i));
   for (std::size_t e = chunk.begin; e < chunk.end; ++e) {
     bool has_load = false;
     double* of_element = &factors[(e - chunk.begin) * Width];
     for (int i = 0; counts(chunk, e) && i < Width; ++i) {
-      const double density = densities.layer[chunk.first_layer + i][e];
-      of_element[i] = model_.load(density);
-      has_load = has_load || of_element[i] != 0.0 || model_.load_derivative(density) != 0.0;
+      of_element[i] = of_steps[i](e);
+      has_load = has_load || of_element[i] != 0.0 || of_steps[i].derivative(e) != 0.0;
     }
     if (has_load)
       room[count++] = static_cast<int>(e);
@@ -251,7 +253,7 @@ void LayerElements<Dim>::add_strain_derivatives(const LayerDensities& densities,
       sum.store(&work[(e - chunk.begin) * Width]);
     }
     if (!d_inputs.empty())
-      strains.source.add_derivatives(elements, {chunk.first_layer, Width},
+      strains.source.add_derivatives(elements, chunk.steps(Width),
                                      std::span(d_strains).first(elements.size() * components * Width),
                                      d_inputs);
   };
@@ -259,7 +261,7 @@ void LayerElements<Dim>::add_strain_derivatives(const LayerDensities& densities,
 }
 
 template <int Dim>
-const double* LayerElements<Dim>::ghosted(const LaneVector& owned, std::vector<double>& room) const {
+const double* StepElements<Dim>::ghosted(const LaneVector& owned, std::vector<double>& room) const {
   if (has_all_nodes()) return owned.values.data();
   const Grid<Dim>& grid = model_.part.grid();
   const int components = Dim * owned.lanes;
@@ -268,6 +270,6 @@ const double* LayerElements<Dim>::ghosted(const LaneVector& owned, std::vector<d
   return room.data();
 }
 
-FABSEQ_INSTANTIATE_CLASS(LayerElements);
+FABSEQ_INSTANTIATE_CLASS(StepElements);
 
 }  // namespace fabseq

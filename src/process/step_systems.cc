@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT
+#include "fabseq/process/step_systems.h"
+
+#include "fabseq/process/solve_count.h"
+
+#include <algorithm>
+#include <iterator>
+#include <stdexcept>
+
+namespace fabseq {
+
+/// Vectors reused from block to block.
+template <int Dim>
+struct StepSystems<Dim>::Workspace {
+  std::vector<LaneVector> loads, solutions;
+  SolveCount count;
+};
+
+template <int Dim>
+StepSystems<Dim>::StepSystems(const ElasticModel<Dim>& model, std::unique_ptr<ElasticitySolver<Dim>> solver,
+                              const LayerGroups& groups, BlockSolver blocks, int lanes)
+    : model_(model),
+      groups_(groups),
+      block_solver_(blocks),
+      lanes_(lanes),
+      elements_(model),
+      solver_(std::move(solver)) {}
+
+template <int Dim>
+void StepSystems<Dim>::leave_out_unbuilt(bool built) {
+  if (!built)
+    built_.reset();
+  else if (!built_)
+    built_ = std::make_unique<const BuiltRegion<Dim>>(model_);
+}
+
+/// Expected iterations of the steps, in units of those with all elements, and one more, since a step takes
+/// some time whatever its iterations. A single group is dealt all blocks whatever their work.
+template <int Dim>
+std::vector<double> StepSystems<Dim>::work_of(const LayerDensities& densities) const {
+  const std::size_t steps = steps_.size();
+  std::vector<double> work(steps, 1.0);
+  for (std::size_t step = 0; expected_work_.size() == 2 * steps && step < steps; ++step)
+    work[step] += expected_work_[step] + expected_work_[steps + step];
+  if (!built_ || groups_.count() == 1) return work;
+  const std::vector<double> shares = built_->standing_shares(densities);
+  for (std::size_t step = 0; step < steps; ++step) work[step] *= shares[steps_[step].layer];
+  return work;
+}
+
+template <int Dim>
+void StepSystems<Dim>::deal_out(const LayerDensities& densities, std::vector<BuildStep> steps) {
+  steps_ = std::move(steps);
+  std::vector<int> layers;
+  for (const BuildStep& step : steps_) layers.push_back(step.layer);
+  deal_ = deal_out_steps(work_of(densities), groups_.count(), lanes_, block_solver_, layers);
+  blocks_.clear();
+  groups_.run([&] {
+    for (const StepBlock& block : deal_.blocks[groups_.index()]) {
+      const auto own = std::span(steps_).subspan(block.first, block.lanes);
+      blocks_.push_back(built_ ? built_->of(densities, block, own)
+                               : BlockRegion{block, {own.begin(), own.end()}});
+    }
+  });
+}
+
+template <int Dim>
+typename StepSystems<Dim>::Place StepSystems<Dim>::place_of(int step) const {
+  for (int group = 0; group < groups_.count(); ++group)
+    for (std::size_t block = 0; block < deal_.blocks[group].size(); ++block) {
+      const int lane = step - deal_.blocks[group][block].first;
+      if (lane >= 0 && lane < deal_.blocks[group][block].lanes) return {group, block, lane};
+    }
+  throw std::logic_error("a step that no group has");
+}
+
+template <int Dim>
+std::vector<int> StepSystems<Dim>::solve(const LayerDensities& densities, SolvePurpose purpose,
+                                         StepLoads& loads) {
+  Workspace workspace{{}, {}, SolveCount(steps_.size())};
+  groups_.run([&] {
+    for (std::size_t block = 0; block < blocks_.size(); ++block)
+      solve_block(densities, block, purpose, loads, workspace);
+  });
+  if (solver_->saves_memory()) solver_->release_memory();
+  SolveCount& count = workspace.count;
+  count.gather(groups_);
+  if (expected_work_.size() != 2 * count.all.size()) expected_work_.assign(2 * count.all.size(), 0.0);
+  std::ranges::copy(count.all,
+                    expected_work_.begin() + (purpose == SolvePurpose::adjoint ? std::ssize(count.all) : 0));
+  return std::move(count.largest);
+}
+
+template <int Dim>
+void StepSystems<Dim>::solve_block(const LayerDensities& densities, std::size_t number, SolvePurpose purpose,
+                                   StepLoads& loads, Workspace& workspace) {
+  const std::size_t all = loads.begin(number);
+  if (all == 0) return;
+  const bool forward = purpose == SolvePurpose::forward;
+  const BlockRegion& region = blocks_[number];
+  solver_->set_operators(region.block.first, region.block.lanes, elements_.stiffness(densities, region),
+                         /*changed=*/forward);
+  const std::size_t at_once = std::min(all, solver_->sets_at_once());
+  workspace.loads.resize(at_once);
+  workspace.solutions.resize(at_once);
+  for (std::size_t first = 0; first < all; first += at_once) {
+    const std::size_t count = std::min(at_once, all - first);
+    for (std::size_t i = 0; i < count; ++i) {
+      resize(workspace.loads[i], owned_nodes(), Dim, region.block.lanes);
+      resize(workspace.solutions[i], owned_nodes(), Dim, region.block.lanes);
+      loads.set(number, first + i, workspace.loads[i]);
+    }
+    const auto reports =
+        solver_->solve(std::span(workspace.loads).first(count), std::span(workspace.solutions).first(count));
+    for (std::size_t i = 0; i < count; ++i) {
+      workspace.count.add(reports[i], region, forward ? "forward" : "adjoint");
+      loads.take(number, first + i, workspace.solutions[i]);
+    }
+  }
+}
+
+FABSEQ_INSTANTIATE_CLASS(StepSystems);
+
+}  // namespace fabseq
