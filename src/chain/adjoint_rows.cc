@@ -31,7 +31,7 @@ std::vector<GradientRow> all_components(const std::vector<std::vector<double>>& 
 
 template <int Dim>
 AdjointRows<Dim>::AdjointRows(const Model<Dim>& model, PhaseTimer& timer, Responses<Dim> responses,
-                              const PipelineState<Dim>& state, const Layers& layers,
+                              const StageResults<Dim>& state, const Layers& layers,
                               const std::vector<GradientRow>& rows, std::size_t variables)
     : model_(model), timer_(timer), responses_(responses), state_(state) {
   for (const GradientRow& terms : rows) {
@@ -70,23 +70,17 @@ void AdjointRows<Dim>::add_explicit(AdjointRow<Dim>& row) const {
         responses_[term.response]->add_derivative(term.component, term.weight, state_, row.adjoint);
   }
   const auto scope = timer_.enter(Phase::layers);
-  if (!row.own) {
-    row.adjoint.densities = DensityDerivatives(state_.layers.count());
-    row.adjoint.time = {};
-    row.adjoint.interpass.clear();
-  }
-  // What is the same on all ranks counts once.
-  if (rank_of(model_.groups.domain()) != 0) {
-    row.adjoint.densities.time_points.clear();
-    std::ranges::fill(row.adjoint.interpass, 0.0);
-  }
+  if (!row.own) row.adjoint.for_each([](auto& derivatives) { derivatives.drop(); });
+  if (rank_of(model_.groups.domain()) != 0)
+    row.adjoint.for_each([](auto& derivatives) { derivatives.keep_once(); });
   row.sink.flush();
 }
 
 template <int Dim>
 void AdjointRows<Dim>::sum_at_owners() {
   for (AdjointRow<Dim>& row : rows_)
-    if (row.shared) model_.groups.sum_at(row.owner, row.adjoint.time.time);
+    if (row.shared)
+      row.adjoint.for_each([&](auto& derivatives) { derivatives.sum_at(model_.groups, row.owner); });
 }
 
 template <int Dim>

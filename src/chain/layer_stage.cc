@@ -17,10 +17,10 @@ class LayerStage : public Stage<Dim> {
   void forward(const StageInput& input, StageResults<Dim>& results) override {
     layers_ = model_.make(input.design.layer_variables, input.beta, input.binary, negligible_);
     layers_->set_densities(results.time->time, densities_);
-    results.layers = layers_.get();
-    results.densities = &densities_;
+    results.layers = *layers_;
+    results.densities = densities_;
   }
-  void pull_back(const PipelineState<Dim>& /*state*/, const SolveTolerance& /*tolerance*/,
+  void pull_back(const StageResults<Dim>& /*state*/, const SolveTolerance& /*tolerance*/,
                  AdjointRowSpan<Dim> rows) override {
     for (AdjointRow<Dim>* row : rows) row->sink.flush_all();
   }
@@ -39,7 +39,8 @@ StageCost cost_of_layers(const RunSize& size, SolverPath /*path*/, int groups, i
   return {.held = size.part_elements * size.layers * 16.0 * groups};
 }
 
-const RegisteredStage<LayerStage> layer_stage{{"layers", {"time"}, {"layers"}}, cost_of_layers};
+const RegisteredStage<LayerStage> layer_stage{
+    {"layers", {&Results::time}, {&Results::densities, &Results::layers}}, cost_of_layers};
 
 }  // namespace
 

@@ -36,7 +36,7 @@ Pipeline<Dim>::Pipeline(const Model<Dim>& model, double tolerance, PhaseTimer& t
     : Pipeline(model, nullptr, *model.layers, tolerance, timer) {}
 
 template <int Dim>
-PipelineState<Dim> Pipeline<Dim>::run(const Design& design, double beta, bool binary) {
+StageResults<Dim> Pipeline<Dim>::run(const Design& design, double beta, bool binary) {
   results_ = {};
   adjoint_iterations_.clear();
   layer_variables_ = design.layer_variables.size();
@@ -45,12 +45,12 @@ PipelineState<Dim> Pipeline<Dim>::run(const Design& design, double beta, bool bi
     const auto scope = timer_.enter(stage->phase());
     stage->forward(input, results_);
   }
-  return {*results_.time, *results_.densities, *results_.process, results_.temperatures};
+  return results_;
 }
 
 template <int Dim>
 std::vector<std::vector<double>> Pipeline<Dim>::values(Responses<Dim> responses,
-                                                       const PipelineState<Dim>& state) {
+                                                       const StageResults<Dim>& state) {
   const auto scope = timer_.enter(Phase::responses);
   std::vector<std::vector<double>> result;
   for (const auto& response : responses) {
@@ -62,7 +62,7 @@ std::vector<std::vector<double>> Pipeline<Dim>::values(Responses<Dim> responses,
 }
 
 template <int Dim>
-std::vector<Design> Pipeline<Dim>::gradients(Responses<Dim> responses, const PipelineState<Dim>& state,
+std::vector<Design> Pipeline<Dim>::gradients(Responses<Dim> responses, const StageResults<Dim>& state,
                                              const std::vector<GradientRow>& rows) {
   AdjointRows<Dim> adjoints(model_, timer_, responses, state, *results_.layers, rows, layer_variables_);
   const std::vector<AdjointRow<Dim>*> shared = adjoints.shared();
@@ -80,12 +80,12 @@ std::vector<Design> Pipeline<Dim>::gradients(Responses<Dim> responses, const Pip
   // What the groups send each other of the sequence's adjoints counts for it.
   const auto scope = timer_.enter(Phase::heat);
   pull_back_own(state, adjoints);
-  if (state.time.iterations) adjoint_iterations_ = adjoints.iterations();
+  if (state.time->iterations) adjoint_iterations_ = adjoints.iterations();
   return adjoints.gradients(sequence_->sequence().variables());
 }
 
 template <int Dim>
-void Pipeline<Dim>::pull_back(const PipelineState<Dim>& state, AdjointRowSpan<Dim> rows, bool of_owner) {
+void Pipeline<Dim>::pull_back(const StageResults<Dim>& state, AdjointRowSpan<Dim> rows, bool of_owner) {
   for (std::size_t i = stages_.size(); i-- > 0;) {
     if (stages_[i]->runs_in_owner_group() != of_owner) continue;
     const auto scope = timer_.enter(stages_[i]->adjoint_phase());
@@ -96,7 +96,7 @@ void Pipeline<Dim>::pull_back(const PipelineState<Dim>& state, AdjointRowSpan<Di
 /// A group goes through its rows by as many as the heat solver takes together: what they have by the
 /// pseudo-time takes memory.
 template <int Dim>
-void Pipeline<Dim>::pull_back_own(const PipelineState<Dim>& state, AdjointRows<Dim>& adjoints) {
+void Pipeline<Dim>::pull_back_own(const StageResults<Dim>& state, AdjointRows<Dim>& adjoints) {
   const std::vector<AdjointRow<Dim>*> own = adjoints.own();
   model_.groups.run([&] {
     for (std::size_t first = 0; first < own.size(); first += widest_block) {

@@ -24,10 +24,10 @@ std::unique_ptr<ElasticitySolver<Dim>> elasticity_solver(const Model<Dim>& model
 constexpr const char* expected_work_name = "process/expected_work";
 
 /// The functionals of displacements that a row consists of, as few as possible.
-template <int Dim>
-std::vector<ProcessAdjoint> process_functionals(PipelineAdjoint<Dim>& row, const ProcessResult& result) {
+std::vector<ProcessAdjoint> process_functionals(ProcessFunctionals& row, const ProcessResult& result) {
   std::vector<ProcessAdjoint> functionals = std::move(row.combinations);
-  if (functionals.empty() || !row.process.is_zero()) functionals.push_back(std::move(row.process));
+  if (functionals.empty() || !row.is_zero())
+    functionals.push_back(std::move(static_cast<ProcessAdjoint&>(row)));
   return result.linear() ? result.superposition->reduced(std::move(functionals)) : functionals;
 }
 
@@ -72,8 +72,8 @@ StageCost cost_of_process(const RunSize& size, SolverPath path, int groups, int 
       .seconds = (1.0 + size.cases + size.functionals) * size.layers * size.unknowns * seconds / size.ranks};
 }
 
-const RegisteredStage<ProcessStage> process_stage{{"process", {"layers", "strains"}, {"process"}},
-                                                  cost_of_process};
+const RegisteredStage<ProcessStage> process_stage{
+    {"process", {&Results::densities, &Results::strains}, {&Results::process}}, cost_of_process};
 
 }  // namespace
 
@@ -92,28 +92,28 @@ template <int Dim>
 void ProcessStage<Dim>::forward(const StageInput& input, StageResults<Dim>& results) {
   process_.set_tolerance(elasticity_tolerance(input.tolerance));
   process_.systems().leave_out_unbuilt(input.region == SolverRegion::built);
-  results.process = &process_.simulate(*results.densities, *results.strains);
+  results.process = process_.simulate(*results.densities, *results.strains);
   forward_iterations_ = results.process->iterations;
   adjoint_iterations_.clear();
 }
 
 template <int Dim>
-void ProcessStage<Dim>::pull_back(const PipelineState<Dim>& state, const SolveTolerance& tolerance,
+void ProcessStage<Dim>::pull_back(const StageResults<Dim>& state, const SolveTolerance& tolerance,
                                   AdjointRowSpan<Dim> rows) {
   std::vector<ProcessAdjoint> adjoints;
   std::vector<ProcessDerivatives> derivatives;
   const bool has_strains = process_.strains().input_count() > 0;
   for (AdjointRow<Dim>* row : rows) {
     if (!row->shared) continue;
-    for (ProcessAdjoint& functional : process_functionals(row->adjoint, state.process)) {
+    for (ProcessAdjoint& functional : process_functionals(row->adjoint.process, *state.process)) {
       adjoints.push_back(std::move(functional));
       derivatives.push_back(
-          {&row->adjoint.densities, has_strains ? &row->adjoint.strains : nullptr, &row->sink});
+          {&row->adjoint.densities, has_strains ? &row->adjoint.strains.inputs : nullptr, &row->sink});
     }
   }
   if (adjoints.empty()) return;
   process_.set_tolerance(elasticity_tolerance(tolerance));
-  process_.pull_back(state.layers, adjoints, derivatives);
+  process_.pull_back(*state.densities, adjoints, derivatives);
   adjoint_iterations_ = process_.adjoint_iterations();
 }
 

@@ -23,7 +23,7 @@ StageCost cost_of_sequence(const RunSize& size, SolverPath path, int groups, int
           .work = forward_work};
 }
 
-const RegisteredStage<SequenceStage> sequence_stage{{"sequence", {"design"}, {"time"}}, cost_of_sequence};
+const RegisteredStage<SequenceStage> sequence_stage{{"sequence", {}, {&Results::time}}, cost_of_sequence};
 
 }  // namespace
 
@@ -36,13 +36,13 @@ SequenceStage<Dim>::SequenceStage(StageContext<Dim>& context)
 template <int Dim>
 void SequenceStage<Dim>::forward(const StageInput& input, StageResults<Dim>& results) {
   sequence_->set_tolerance(sequence_tolerance(input.tolerance));
-  results.time = &sequence_->update(groups_.gather(input.design.field));
+  results.time = sequence_->update(groups_.gather(input.design.field));
   iterations_.clear();
   if (results.time->iterations) iterations_.push_back(*results.time->iterations);
 }
 
 template <int Dim>
-void SequenceStage<Dim>::pull_back(const PipelineState<Dim>& /*state*/, const SolveTolerance& tolerance,
+void SequenceStage<Dim>::pull_back(const StageResults<Dim>& /*state*/, const SolveTolerance& tolerance,
                                    AdjointRowSpan<Dim> rows) {
   sequence_->set_tolerance(elasticity_tolerance(tolerance));
   std::vector<TimeDerivatives> times;

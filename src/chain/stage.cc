@@ -13,13 +13,13 @@ std::vector<const StageType*>& registered_stages() {
   return types;
 }
 
-bool has(const std::vector<std::string>& names, const std::string& name) {
+bool has(const std::vector<ResultName>& names, const ResultName& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
 /// Whether a makes what b reads. Of two that change a result, neither comes before the other for its sake.
 bool leads_to(const StageType& a, const StageType& b) {
-  return std::any_of(a.makes.begin(), a.makes.end(), [&](const std::string& result) {
+  return std::any_of(a.makes.begin(), a.makes.end(), [&](const ResultName& result) {
     return has(b.reads, result) && !(has(a.reads, result) && has(b.makes, result));
   });
 }

@@ -29,17 +29,18 @@ class TemperatureStage : public Stage<Dim> {
   void forward(const StageInput& input, StageResults<Dim>& results) override {
     temperature_.simulation.set_tolerance(step_tolerance(input.tolerance));
     temperature_.simulation.take_only(input.region == SolverRegion::built ? &standing_ : nullptr);
-    results.temperatures = &temperature_.simulation.simulate(*results.densities);
+    results.temperatures = temperature_.simulation.simulate(*results.densities);
     iterations_ = results.temperatures->iterations;
   }
 
-  void pull_back(const PipelineState<Dim>& state, const SolveTolerance& tolerance,
+  void pull_back(const StageResults<Dim>& state, const SolveTolerance& tolerance,
                  AdjointRowSpan<Dim> rows) override {
     bool any_shared = false;
     for (AdjointRow<Dim>* row : rows) {
       if (!row->shared) continue;
       any_shared = true;
-      groups_.sum_at(row->owner, row->adjoint.interpass_or_zeros(state.layers.count()));
+      row->adjoint.temperatures.zeros_if_empty(state.densities->count());
+      row->adjoint.temperatures.sum_at(groups_, row->owner);
     }
     const auto pull_back_own = [&] { this->pull_back_own(state, tolerance, rows); };
     // Rows that are not shared come from within a group.
@@ -54,17 +55,19 @@ class TemperatureStage : public Stage<Dim> {
   void add_iterations(SolverIterations& iterations) const override { iterations.temperature = iterations_; }
 
  private:
-  void pull_back_own(const PipelineState<Dim>& state, const SolveTolerance& tolerance,
+  void pull_back_own(const StageResults<Dim>& state, const SolveTolerance& tolerance,
                      AdjointRowSpan<Dim> rows) {
     std::vector<TemperatureAdjoint> functionals;
     for (AdjointRow<Dim>* row : rows) {
-      std::vector<double>& interpass = row->adjoint.interpass;
+      std::vector<double>& interpass = row->adjoint.temperatures.interpass;
       if (!row->own || interpass.empty()) continue;
       sum_in_place(groups_.domain(), std::span<double>(interpass));
       functionals.push_back({interpass, &row->adjoint.densities, &row->sink});
     }
     temperature_.simulation.set_tolerance(step_tolerance(tolerance));
-    temperature_.simulation.pull_back(state.layers, functionals);
+    temperature_.simulation.pull_back(*state.densities, functionals);
+    for (AdjointRow<Dim>* row : rows)
+      if (row->own) row->adjoint.temperatures.interpass.clear();
   }
 
   const LayerGroups& groups_;
@@ -93,8 +96,8 @@ StageCost cost_of_temperature(const RunSize& size, SolverPath path, int groups, 
                  groups / size.ranks};
 }
 
-const RegisteredStage<TemperatureStage> temperature_stage{{"temperature", {"layers"}, {"temperatures"}},
-                                                          cost_of_temperature};
+const RegisteredStage<TemperatureStage> temperature_stage{
+    {"temperature", {&Results::densities}, {&Results::temperatures}}, cost_of_temperature};
 
 }  // namespace
 

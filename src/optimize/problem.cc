@@ -150,7 +150,7 @@ std::vector<double> Problem<Dim>::term_factors(const std::vector<std::vector<dou
 }
 
 template <int Dim>
-ProblemValues Problem<Dim>::evaluate(Pipeline<Dim>& pipeline, const PipelineState<Dim>& state) {
+ProblemValues Problem<Dim>::evaluate(Pipeline<Dim>& pipeline, const StageResults<Dim>& state) {
   auto all = pipeline.values(responses_and_functionals(), state);
   for (std::size_t r = 0; r < all.size(); ++r)
     for (std::size_t c = 0; c < all[r].size(); ++c)
@@ -224,7 +224,7 @@ GradientRow Problem<Dim>::objective_row(const ProblemValues& values,
 }
 
 template <int Dim>
-ProblemGradients Problem<Dim>::gradients(Pipeline<Dim>& pipeline, const PipelineState<Dim>& state,
+ProblemGradients Problem<Dim>::gradients(Pipeline<Dim>& pipeline, const StageResults<Dim>& state,
                                          const ProblemValues& values) const {
   // One row for the whole objective, one for each constrained component, which its upper and lower bound
   // share, and one for each residual.

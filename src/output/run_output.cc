@@ -61,20 +61,20 @@ void RunOutput<Dim>::baseline(SequenceReport report, const std::string& solver) 
 
 template <int Dim>
 void RunOutput<Dim>::iteration(const Iterate& iterate, const StepReport& step, Pipeline<Dim>& pipeline,
-                               const PipelineState<Dim>& state, const Design& design) {
+                               const StageResults<Dim>& state, const Design& design) {
   {
     const auto scope = timer_.enter(Phase::output);
     const int every = setup_.config.output.every;
     asked_ = directory_.has(output_request);
     if (asked_ || (every > 0 && iterate.iteration % every == 0))
       write_iteration_fields(setup_, directory_, {iterate.iteration}, pipeline, design.field,
-                             state.process.displacement, check_build(setup_, pipeline, state).fields);
+                             state.process->displacement, check_build(setup_, pipeline, state).fields);
   }
   HistoryLine line{iterate, step, pipeline.iterations(), setup_.layers->variables(), design};
   line.seconds = clock_.end_iteration();
-  line.interior_minima = count_interior_minima<Dim>(setup_.part, state.time.time);
-  if (!state.time.temperature.empty())
-    line.temperature_range = {state.time.lowest_temperature, state.time.highest_temperature};
+  line.interior_minima = count_interior_minima<Dim>(setup_.part, state.time->time);
+  if (!state.time->temperature.empty())
+    line.temperature_range = {state.time->lowest_temperature, state.time->highest_temperature};
   line.peak_memory_bytes = peak_memory_bytes(setup_.world());
   line.tolerance = pipeline.tolerances().primal.value;
   append_to_history(directory_, to_record(line));

@@ -191,7 +191,7 @@ class EvaluationIn : public Evaluation {
   Design design_;  ///< the last evaluated one, at first the start
   std::vector<double> start_;
   std::optional<DesignEntries> entries_;
-  std::optional<PipelineState<Dim>> state_;  ///< of the last evaluated design
+  std::optional<StageResults<Dim>> state_;  ///< of the last evaluated design
   std::vector<std::vector<double>> values_;
 };
 

@@ -73,8 +73,8 @@ template <int Dim>
 void PlaceLimit<Dim>::add_derivatives(const CutTime<Dim>& cut, TimeDerivatives& derivatives) const {
   if (scale_ == 0.0) return;
   const ProcessResult nothing;
-  const PipelineState<Dim> state{cut.time, cut.densities, nothing};
-  PipelineAdjoint<Dim> adjoint(cut.densities.count());
+  const StageResults<Dim> state{cut.time, cut.densities, nothing};
+  StageDerivatives<Dim> adjoint(cut.densities.count());
   for (std::size_t c = 0; c < components_; ++c)
     response_->add_derivative(static_cast<int>(c), scale_, state, adjoint);
   for (std::size_t i = 0; i < adjoint.time.time.size(); ++i) derivatives.time[i] += adjoint.time.time[i];

@@ -190,24 +190,26 @@ BuildReport check_layers(const Model<Dim>& model, const PseudoTime<Dim>& time, c
 
 template <int Dim>
 BuildReport check_build(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
-                        const PipelineState<Dim>& state) {
-  return check_layers(model, state.time, state.layers, pipeline.last_layer_index(), /*with_places=*/false);
+                        const StageResults<Dim>& state) {
+  return check_layers(model, *state.time, *state.densities, pipeline.last_layer_index(),
+                      /*with_places=*/false);
 }
 
 template <int Dim>
 BuildReport check_places(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
-                         const PipelineState<Dim>& state) {
-  return check_layers(model, state.time, state.layers, pipeline.last_layer_index(), /*with_places=*/true);
+                         const StageResults<Dim>& state) {
+  return check_layers(model, *state.time, *state.densities, pipeline.last_layer_index(),
+                      /*with_places=*/true);
 }
 
 template <int Dim>
 BuildReport report_build(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
-                         const PipelineState<Dim>& state, int used_layers) {
+                         const StageResults<Dim>& state, int used_layers) {
   BuildReport report = check_places(model, pipeline, state);
   report.numbers.stock = model.part.share_of_stock();
   estimate_time(model.settings, model.part.volume(), used_layers, report.numbers);
   if (const auto yield = model.settings.material.yield_stress) {
-    const std::vector<double> stress = residual_stress(pipeline.process(), state.layers);
+    const std::vector<double> stress = residual_stress(pipeline.process(), *state.densities);
     report.numbers.stress = {stress_extremes(model.part, stress).von_mises,
                              share_beyond(model.part, stress, *yield)};
     report.fields.von_mises = equivalent_stress(model.part, stress);

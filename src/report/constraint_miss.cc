@@ -63,7 +63,7 @@ std::optional<ConstraintMiss> worst_miss(const Model<Dim>& model, const Problem<
 
 template <int Dim>
 std::optional<BeyondLimits> beyond_limits(const Model<Dim>& model, const Problem<Dim>& problem,
-                                          const Pipeline<Dim>& pipeline, const PipelineState<Dim>& state,
+                                          const Pipeline<Dim>& pipeline, const StageResults<Dim>& state,
                                           bool with_places) {
   const auto limits = constraint_limits(model, problem);
   if (std::all_of(limits.begin(), limits.end(), [](const auto& limit) { return limit.check.empty(); }))

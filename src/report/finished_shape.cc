@@ -140,11 +140,11 @@ Deviation deviation_of(const Model<Dim>& model, const std::vector<double>& displ
 /// fails: what was simulated shall not be lost.
 template <int Dim>
 std::vector<double> release_displacement(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
-                                         const PipelineState<Dim>& state, std::string& failure) {
-  if (!state.process.release.empty()) return state.process.release;  // a term asked for it
+                                         const StageResults<Dim>& state, std::string& failure) {
+  if (!state.process->release.empty()) return state.process->release;  // a term asked for it
   if (!release_obstacle(model.grid, model.supports, model.settings.process.void_model).empty()) return {};
   const ElasticProcess<Dim>& process = pipeline.process();
-  const std::vector<double> reactions = process.reactions(state.layers);
+  const std::vector<double> reactions = process.reactions(*state.densities);
   const SolverSettings& solver = model.settings.solver;
   std::vector<double> release;
   try {
@@ -171,9 +171,9 @@ DisplacementSizes displacement_sizes(const Model<Dim>& model, const std::vector<
 
 template <int Dim>
 FinishedShape finished_shape(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
-                             const PipelineState<Dim>& state) {
+                             const StageResults<Dim>& state) {
   FinishedShape result;
-  std::vector<double> displacement = state.process.displacement;
+  std::vector<double> displacement = state.process->displacement;
   result.as_built = deviation_of(model, displacement);
   const std::vector<double> release = release_displacement(model, pipeline, state, result.failure);
   if (release.empty()) return result;

@@ -14,14 +14,14 @@ namespace fabseq {
 namespace {
 
 template <int Dim>
-std::vector<LayerNumbers> layer_numbers(const Model<Dim>& model, const PipelineState<Dim>& state) {
-  const auto statistics = layer_statistics(model.context(), state.time, state.layers);
-  const SubParts& sub_parts = state.layers.sub_parts;
+std::vector<LayerNumbers> layer_numbers(const Model<Dim>& model, const StageResults<Dim>& state) {
+  const auto statistics = layer_statistics(model.context(), *state.time, *state.densities);
+  const SubParts& sub_parts = state.densities->sub_parts;
   std::vector<LayerNumbers> result;
-  for (int j = 0; j < state.layers.count(); ++j) {
+  for (int j = 0; j < state.densities->count(); ++j) {
     result.push_back(
         {statistics[j].volume, statistics[j].thickness, statistics[j].coefficient_of_variation()});
-    if (state.temperatures != nullptr) result.back().interpass = state.temperatures->interpass[j];
+    if (state.temperatures) result.back().interpass = state.temperatures->interpass[j];
     if (sub_parts.count() == 0) continue;
     result.back().sub_part = sub_parts.of_layer[j] + 1;
     result.back().slab = sub_parts.slab[j];
@@ -32,8 +32,8 @@ std::vector<LayerNumbers> layer_numbers(const Model<Dim>& model, const PipelineS
 /// By the model that the state now counts by.
 template <int Dim>
 DepositionNumbers deposition_numbers(const Model<Dim>& model, const Problem<Dim>& problem,
-                                     Pipeline<Dim>& pipeline, const PipelineState<Dim>& state) {
-  DepositionNumbers result{displacement_sizes(model, state.process.displacement), {}};
+                                     Pipeline<Dim>& pipeline, const StageResults<Dim>& state) {
+  DepositionNumbers result{displacement_sizes(model, state.process->displacement), {}};
   const auto terms = problem.responses().first(problem.objective_count());
   for (NamedValue& term : problem.describe(pipeline.values(terms, state)))
     if (term.type == "distortion") result.distortions.push_back(std::move(term));
@@ -45,7 +45,7 @@ DepositionNumbers deposition_numbers(const Model<Dim>& model, const Problem<Dim>
 /// No solve: they are superposed.
 template <int Dim>
 std::vector<ScenarioNumbers> report_scenarios(const Model<Dim>& model, const Problem<Dim>& problem,
-                                              Pipeline<Dim>& pipeline, const PipelineState<Dim>& state) {
+                                              Pipeline<Dim>& pipeline, const StageResults<Dim>& state) {
   std::vector<ScenarioNumbers> result;
   if (model.settings.material.scenarios.empty()) return result;
   for (std::size_t i = 0; i < model.settings.objective.size(); ++i) {
@@ -107,20 +107,20 @@ void add_displacements(FieldSet<Dim>& fields, const SequenceReport& report, cons
 
 template <int Dim>
 BothDepositions report_depositions(const Model<Dim>& model, const Problem<Dim>& problem,
-                                   Pipeline<Dim>& pipeline, const PipelineState<Dim>& state) {
+                                   Pipeline<Dim>& pipeline, const StageResults<Dim>& state) {
   const DepositionModel own_model = model.settings.process.deposition;
   const bool is_nominal = own_model == DepositionModel::nominal;
   const DepositionModel other_model = is_nominal ? DepositionModel::follow : DepositionModel::nominal;
   DepositionNumbers own = deposition_numbers(model, problem, pipeline, state);
   if (pipeline.region() == SolverRegion::built) return {std::move(own), std::nullopt, own_model};
-  const CountedAs<Dim> counted(other_model, pipeline.process().model(), model.groups, state.layers,
+  const CountedAs<Dim> counted(other_model, pipeline.process().model(), model.groups, *state.densities,
                                pipeline.process().result());
   return {std::move(own), deposition_numbers(model, problem, pipeline, state), own_model};
 }
 
 template <int Dim>
 SequenceReport report_sequence(const Model<Dim>& model, const Problem<Dim>& problem, Pipeline<Dim>& pipeline,
-                               const PipelineState<Dim>& state, bool with_shape) {
+                               const StageResults<Dim>& state, bool with_shape) {
   SequenceReport report;
   report.values = pipeline.values(problem.responses(), state);
   report.responses = problem.describe(report.values);
@@ -137,18 +137,18 @@ SequenceReport report_sequence(const Model<Dim>& model, const Problem<Dim>& prob
           late_sets(model.part, model.node_sets, model.settings.objective, pipeline.last_layer_index());
     report.build_fields = std::move(build.fields);
   }
-  if (state.temperatures != nullptr) {
+  if (state.temperatures) {
     TemperatureReport temperature = report_temperature(model, pipeline, state, with_shape);
     report.part_temperature = std::move(temperature.numbers);
     report.interpass_temperature = std::move(temperature.field);
   }
-  report.time = state.time.time;
-  report.time_gradient = state.time.gradient.empty() ? state.time.recorded_gradient : state.time.gradient;
+  report.time = state.time->time;
+  report.time_gradient = state.time->gradient.empty() ? state.time->recorded_gradient : state.time->gradient;
   report.layer = pipeline.last_layer_index();
-  report.temperature = state.time.temperature;
-  report.nodal_time = state.time.nodal;
+  report.temperature = state.time->temperature;
+  report.nodal_time = state.time->nodal;
   report.nodes = pipeline.process().model().nodes;
-  report.displacement = pipeline.process().model().at_nodes(state.process.displacement);
+  report.displacement = pipeline.process().model().at_nodes(state.process->displacement);
   return report;
 }
 

@@ -16,7 +16,7 @@ namespace {
 template <int Dim>
 class ElementTemperatures {
  public:
-  ElementTemperatures(const Model<Dim>& model, const Pipeline<Dim>& pipeline, const PipelineState<Dim>& state)
+  ElementTemperatures(const Model<Dim>& model, const Pipeline<Dim>& pipeline, const StageResults<Dim>& state)
       : part_(model.part),
         temperatures_(*state.temperatures),
         ambient_(model.settings.thermal->ambient),
@@ -77,7 +77,7 @@ PauseNumbers pause_numbers(const Model<Dim>& model, const LayerDensities& layers
 
 template <int Dim>
 TemperatureReport report_temperature(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
-                                     const PipelineState<Dim>& state, bool with_pauses) {
+                                     const StageResults<Dim>& state, bool with_pauses) {
   const std::vector<double>& interpass = state.temperatures->interpass;
   TemperatureReport report;
   const auto highest = std::ranges::max_element(interpass);
@@ -86,7 +86,7 @@ TemperatureReport report_temperature(const Model<Dim>& model, const Pipeline<Dim
   report.numbers.hottest = elements.hottest();
   report.field = std::move(elements).field();
   if (const auto limit = model.settings.thermal->interpass_limit; limit && with_pauses)
-    report.numbers.pauses = pause_numbers(model, state.layers, *limit);
+    report.numbers.pauses = pause_numbers(model, *state.densities, *limit);
   return report;
 }
 

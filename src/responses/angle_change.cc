@@ -57,7 +57,7 @@ class FittedPlane {
   void set_normal(const Point<Dim>& normal) { normal_ = normal; }
 
   /// The normal of the displaced nodes; not of length 1. Collective.
-  Point<Dim> tilted(const PipelineState<Dim>& state) const {
+  Point<Dim> tilted(const StageResults<Dim>& state) const {
     const std::vector<int>& nodes = set_.nodes().owned;
     std::array<double, tangents> slopes{};
     for (std::size_t i = 0; i < nodes.size(); ++i) {
@@ -72,8 +72,8 @@ class FittedPlane {
     return result;
   }
   /// Adds the derivative of `gradient` . tilted(). Local, on all ranks.
-  void add_derivative(const Point<Dim>& gradient, const PipelineState<Dim>& state,
-                      PipelineAdjoint<Dim>& adjoint) const {
+  void add_derivative(const Point<Dim>& gradient, const StageResults<Dim>& state,
+                      StageDerivatives<Dim>& adjoint) const {
     const std::vector<int>& nodes = set_.nodes().owned;
     set_.prepare(state, adjoint);
     for (std::size_t i = 0; i < nodes.size(); ++i)
@@ -169,15 +169,15 @@ class AngleChange : public Response<Dim> {
   bool uses_displacements() const override { return true; }
   double size() const override { return std::pow(0.01 * degrees, 2); }  // of a strain of 1 %
 
-  std::vector<double> values(const PipelineState<Dim>& state) const override {
+  std::vector<double> values(const StageResults<Dim>& state) const override {
     const double change = degrees * (pair_at(state).angle - start_);
     return {change * change};
   }
 
   /// d(angle) = -(b . da + a . db) / sine with da across a and db across b. The quotient of change and sine
   /// is 1 in the limit of planes that start parallel and stay so.
-  void add_derivative(int, double weight, const PipelineState<Dim>& state,
-                      PipelineAdjoint<Dim>& adjoint) const override {
+  void add_derivative(int, double weight, const StageResults<Dim>& state,
+                      StageDerivatives<Dim>& adjoint) const override {
     const Pair<Dim> pair = pair_at(state);
     const double quotient = pair.sine > 0.0 ? (pair.angle - start_) / pair.sine : 0.0;
     const double factor = -2.0 * weight * degrees * degrees * quotient;
@@ -187,7 +187,7 @@ class AngleChange : public Response<Dim> {
 
  private:
   double undeformed_angle() const { return Pair<Dim>(plane_.normal(), to_.normal()).angle; }
-  Pair<Dim> pair_at(const PipelineState<Dim>& state) const {
+  Pair<Dim> pair_at(const StageResults<Dim>& state) const {
     return Pair<Dim>(plane_.tilted(state), to_.tilted(state));
   }
   static Point<Dim> scaled(Point<Dim> vector, double factor) {

@@ -36,21 +36,21 @@ class BuildTime : public Response<Dim> {
         clock_(context.clock.value()),
         limit_(settings.limit) {}
 
-  std::vector<double> values(const PipelineState<Dim>& state) const override {
-    const std::vector<double> volume = layer_volumes(grid_, state.layers);
+  std::vector<double> values(const StageResults<Dim>& state) const override {
+    const std::vector<double> volume = layer_volumes(grid_, *state.densities);
     double used = 0.0;
     for (const double of_layer : volume) used -= std::expm1(-of_layer / sliver_of(state));
     return {clock_.hours(std::accumulate(volume.begin(), volume.end(), 0.0), used)};
   }
 
-  void add_derivative(int /*component*/, double weight, const PipelineState<Dim>& state,
-                      PipelineAdjoint<Dim>& adjoint) const override {
-    const std::vector<double> volume = layer_volumes(grid_, state.layers);
-    for (int j = 0; j < state.layers.count(); ++j) {
+  void add_derivative(int /*component*/, double weight, const StageResults<Dim>& state,
+                      StageDerivatives<Dim>& adjoint) const override {
+    const std::vector<double> volume = layer_volumes(grid_, *state.densities);
+    for (int j = 0; j < state.densities->count(); ++j) {
       const double used = std::exp(-volume[j] / sliver_of(state)) / sliver_of(state);
       const double derivative = weight * grid_.element_volume() * clock_.hours(1.0, used);
       auto& d_layer =
-          DensityDerivatives::zeros_if_empty(adjoint.densities.layer[j], state.layers.layer[j].size());
+          DensityDerivatives::zeros_if_empty(adjoint.densities.layer[j], state.densities->layer[j].size());
       for (double& of_element : d_layer) of_element += derivative;
     }
   }
@@ -63,7 +63,9 @@ class BuildTime : public Response<Dim> {
 
  private:
   /// Volume that a layer is held against.
-  double sliver_of(const PipelineState<Dim>& state) const { return sliver * volume_ / state.layers.count(); }
+  double sliver_of(const StageResults<Dim>& state) const {
+    return sliver * volume_ / state.densities->count();
+  }
 
   const Grid<Dim>& grid_;
   double volume_;

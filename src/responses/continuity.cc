@@ -43,14 +43,14 @@ class Continuity : public Response<Dim> {
     elements_counted_ = static_cast<double>(sum(part_.grid().comm(), counted));
   }
 
-  std::vector<double> values(const PipelineState<Dim>& state) const override {
+  std::vector<double> values(const StageResults<Dim>& state) const override {
     double total = 0.0;
     for (const double difference : differences(state)) total += difference * difference;
     return {sum(part_.grid().comm(), total) / elements_counted_};
   }
 
-  void add_derivative(int, double weight, const PipelineState<Dim>& state,
-                      PipelineAdjoint<Dim>& adjoint) const override {
+  void add_derivative(int, double weight, const StageResults<Dim>& state,
+                      StageDerivatives<Dim>& adjoint) const override {
     const std::vector<double> differences = this->differences(state);
     std::vector<double> of_box(static_cast<std::size_t>(halo_.box().count()), 0.0);
     for (std::size_t e = 0; e < differences.size(); ++e) {
@@ -80,15 +80,15 @@ class Continuity : public Response<Dim> {
   }
 
   /// Part field t_e - mean t of the neighbours; 0 for elements that do not count. Collective.
-  std::vector<double> differences(const PipelineState<Dim>& state) const {
-    const std::vector<double> time = halo_.gather(part_.expand(state.time.time));
+  std::vector<double> differences(const StageResults<Dim>& state) const {
+    const std::vector<double> time = halo_.gather(part_.expand(state.time->time));
     std::vector<double> result(neighbours_.size(), 0.0);
     for (std::size_t e = 0; e < result.size(); ++e) {
       const Neighbours<Dim>& around = neighbours_[e];
       if (around.count == 0) continue;
       double total = 0.0;
       for (int n = 0; n < around.count; ++n) total += time[around.offsets[n]];
-      result[e] = state.time.time[e] - total / around.count;
+      result[e] = state.time->time[e] - total / around.count;
     }
     return result;
   }

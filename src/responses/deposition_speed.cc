@@ -19,19 +19,19 @@ class DepositionSpeed : public Response<Dim> {
   DepositionSpeed(const ResponseContext<Dim>& context, const DepositionSpeedSettings& settings)
       : context_(context), slack_(settings.slack) {}
 
-  std::vector<double> values(const PipelineState<Dim>& state) const override {
-    std::vector<double> result(state.layers.count() - 1, 0.0);
+  std::vector<double> values(const StageResults<Dim>& state) const override {
+    std::vector<double> result(state.densities->count() - 1, 0.0);
     for (std::size_t j = 0; j < result.size(); ++j)
-      for (const double density : state.layers.stage[j]) result[j] += density * volume_fraction();
+      for (const double density : state.densities->stage[j]) result[j] += density * volume_fraction();
     sum_in_place(context_.part.grid().comm(), result);
-    for (std::size_t j = 0; j < result.size(); ++j) result[j] -= state.layers.time_points[j + 1];
+    for (std::size_t j = 0; j < result.size(); ++j) result[j] -= state.densities->time_points[j + 1];
     return result;
   }
 
-  void add_derivative(int component, double weight, const PipelineState<Dim>& state,
-                      PipelineAdjoint<Dim>& adjoint) const override {
+  void add_derivative(int component, double weight, const StageResults<Dim>& state,
+                      StageDerivatives<Dim>& adjoint) const override {
     auto& d_stage = DensityDerivatives::zeros_if_empty(adjoint.densities.stage[component],
-                                                       state.layers.stage[component].size());
+                                                       state.densities->stage[component].size());
     for (double& derivative : d_stage) derivative += weight * volume_fraction();
     adjoint.densities.time_points_or_zeros()[component + 1] -= weight;
   }

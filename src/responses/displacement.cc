@@ -20,13 +20,13 @@ class Displacement : public Response<Dim> {
 
   bool uses_displacements() const override { return true; }
 
-  std::vector<double> values(const PipelineState<Dim>& state) const override {
+  std::vector<double> values(const StageResults<Dim>& state) const override {
     const SetFunction u = set_.all(state);
     return {factor_ * sum(set_.comm(), std::inner_product(u.begin(), u.end(), u.begin(), 0.0))};
   }
 
-  void add_derivative(int, double weight, const PipelineState<Dim>& state,
-                      PipelineAdjoint<Dim>& adjoint) const override {
+  void add_derivative(int, double weight, const StageResults<Dim>& state,
+                      StageDerivatives<Dim>& adjoint) const override {
     set_.add_derivative(set_.all(state), 2.0 * weight * factor_, state, adjoint);
   }
 

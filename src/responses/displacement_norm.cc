@@ -18,14 +18,14 @@ class DisplacementNorm : public Response<Dim> {
 
   bool uses_displacements() const override { return true; }
 
-  std::vector<double> values(const PipelineState<Dim>& state) const override {
+  std::vector<double> values(const StageResults<Dim>& state) const override {
     const Sizes sizes = sizes_at(state);
     return {sizes.largest * sizes.largest * std::pow(sizes.mean_power, 2.0 / power_)};
   }
 
   /// dJ/du_i = (2/n) S^(2/p - 1) (|u_i| / largest)^(p - 2) u_i with S the mean of (|u| / largest)^p.
-  void add_derivative(int, double weight, const PipelineState<Dim>& state,
-                      PipelineAdjoint<Dim>& adjoint) const override {
+  void add_derivative(int, double weight, const StageResults<Dim>& state,
+                      StageDerivatives<Dim>& adjoint) const override {
     const Sizes sizes = sizes_at(state);
     set_.prepare(state, adjoint);
     if (sizes.largest == 0.0) return;
@@ -45,7 +45,7 @@ class DisplacementNorm : public Response<Dim> {
     std::vector<double> relative;  ///< |u| over the largest, [owned node of the set]
   };
 
-  Sizes sizes_at(const PipelineState<Dim>& state) const {
+  Sizes sizes_at(const StageResults<Dim>& state) const {
     Sizes result;
     const SetFunction u = set_.all(state);
     for (std::size_t i = 0; i < u.size(); i += Dim) {

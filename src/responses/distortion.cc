@@ -58,13 +58,13 @@ class DistortionLimit : public Response<Dim> {
 
   bool uses_displacements() const override { return measure_->uses_displacements(); }
 
-  std::vector<double> values(const PipelineState<Dim>& state) const override {
+  std::vector<double> values(const StageResults<Dim>& state) const override {
     std::vector<double> result = measure_->values(state);
     for (double& value : result) value = std::sqrt(value);
     return result;
   }
-  void add_derivative(int component, double weight, const PipelineState<Dim>& state,
-                      PipelineAdjoint<Dim>& adjoint) const override {
+  void add_derivative(int component, double weight, const StageResults<Dim>& state,
+                      StageDerivatives<Dim>& adjoint) const override {
     const double root = values(state)[component];
     measure_->add_derivative(component, root > 0.0 ? weight / (2.0 * root) : 0.0, state, adjoint);
   }

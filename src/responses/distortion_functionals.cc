@@ -39,7 +39,7 @@ class DistortionFunctionals : public Response<Dim> {
       : set_(set), modes_(std::move(modes)), root_of_factor_(root_of_factor) {}
 
   bool uses_displacements() const override { return true; }
-  std::vector<double> values(const PipelineState<Dim>& state) const override {
+  std::vector<double> values(const StageResults<Dim>& state) const override {
     const SetFunction displacement = set_.all(state);
     std::vector<double> result;
     for (const SetFunction& mode : modes_)
@@ -48,8 +48,8 @@ class DistortionFunctionals : public Response<Dim> {
     sum_in_place(set_.comm(), result);
     return result;
   }
-  void add_derivative(int component, double weight, const PipelineState<Dim>& state,
-                      PipelineAdjoint<Dim>& adjoint) const override {
+  void add_derivative(int component, double weight, const StageResults<Dim>& state,
+                      StageDerivatives<Dim>& adjoint) const override {
     set_.add_derivative(modes_[component], weight * root_of_factor_, state, adjoint);
   }
 

@@ -16,7 +16,7 @@ class Flatness : public Response<Dim> {
 
   bool uses_displacements() const override { return true; }
 
-  std::vector<double> values(const PipelineState<Dim>& state) const override {
+  std::vector<double> values(const StageResults<Dim>& state) const override {
     const double average = mean(state);
     double square = 0.0;
     for (const int node : set_.nodes().owned) {
@@ -27,8 +27,8 @@ class Flatness : public Response<Dim> {
   }
 
   /// The derivative of the mean drops out because the deviations sum to zero.
-  void add_derivative(int, double weight, const PipelineState<Dim>& state,
-                      PipelineAdjoint<Dim>& adjoint) const override {
+  void add_derivative(int, double weight, const StageResults<Dim>& state,
+                      StageDerivatives<Dim>& adjoint) const override {
     const double average = mean(state);
     set_.prepare(state, adjoint);
     for (const int node : set_.nodes().owned) {
@@ -45,7 +45,7 @@ class Flatness : public Response<Dim> {
   }
 
  private:
-  double mean(const PipelineState<Dim>& state) const {
+  double mean(const StageResults<Dim>& state) const {
     double total = 0.0;
     for (const int node : set_.nodes().owned) total += set_.at(state, node, axis_);
     return sum(set_.comm(), total) / static_cast<double>(set_.nodes().count);

@@ -26,14 +26,14 @@ class InterpassTemperature : public Response<Dim> {
   InterpassTemperature(const ResponseContext<Dim>& context, const InterpassTemperatureSettings& settings)
       : ambient_(context.thermal.value().ambient), limit_(settings.limit) {}
 
-  std::vector<double> values(const PipelineState<Dim>& state) const override {
+  std::vector<double> values(const StageResults<Dim>& state) const override {
     const std::vector<double>& interpass = state.temperatures->interpass;
     return {interpass.begin() + 1, interpass.end()};
   }
 
-  void add_derivative(int component, double weight, const PipelineState<Dim>& state,
-                      PipelineAdjoint<Dim>& adjoint) const override {
-    adjoint.interpass_or_zeros(state.layers.count())[component + 1] += weight;
+  void add_derivative(int component, double weight, const StageResults<Dim>& state,
+                      StageDerivatives<Dim>& adjoint) const override {
+    adjoint.temperatures.zeros_if_empty(state.densities->count())[component + 1] += weight;
   }
 
   /// Relative to what the limit allows above the air.

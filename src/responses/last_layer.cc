@@ -33,20 +33,20 @@ class LastLayer : public Response<Dim> {
   LastLayer(const ResponseContext<Dim>& context, const LastLayerSettings& settings)
       : grid_(context.part.grid()), least_of_all_(settings.least_volume * context.part.volume()) {}
 
-  std::vector<double> values(const PipelineState<Dim>& state) const override {
-    return {norm(lateness(state, last_whole(state.layers)))};
+  std::vector<double> values(const StageResults<Dim>& state) const override {
+    return {norm(lateness(state, last_whole(*state.densities)))};
   }
 
-  void add_derivative(int /*component*/, double weight, const PipelineState<Dim>& state,
-                      PipelineAdjoint<Dim>& adjoint) const override {
-    const int last = last_whole(state.layers);
+  void add_derivative(int /*component*/, double weight, const StageResults<Dim>& state,
+                      StageDerivatives<Dim>& adjoint) const override {
+    const int last = last_whole(*state.densities);
     const std::vector<double> late = lateness(state, last);
     const double value = norm(late);
     if (value == 0.0) return;
     auto& d_time = DensityDerivatives::zeros_if_empty(adjoint.time.time, late.size());
     double total = 0.0;
     for (std::size_t e = 0; e < late.size(); ++e) {
-      const double derivative = weight * state.layers.count() * std::pow(late[e] / value, power - 1);
+      const double derivative = weight * state.densities->count() * std::pow(late[e] / value, power - 1);
       d_time[e] += derivative;
       total += derivative;
     }
@@ -68,12 +68,13 @@ class LastLayer : public Response<Dim> {
 
   /// Part field: how many layers later than the end of layer `last` each element is, plus `approach`; 0 for
   /// elements that do not count.
-  std::vector<double> lateness(const PipelineState<Dim>& state, int last) const {
-    std::vector<double> result(state.time.time.size(), 0.0);
-    if (last == state.layers.count()) return result;
+  std::vector<double> lateness(const StageResults<Dim>& state, int last) const {
+    std::vector<double> result(state.time->time.size(), 0.0);
+    if (last == state.densities->count()) return result;
     for (std::size_t e = 0; e < result.size(); ++e)
       result[e] = std::max(
-          0.0, state.layers.count() * (state.time.time[e] - state.layers.time_points[last]) + approach);
+          0.0,
+          state.densities->count() * (state.time->time[e] - state.densities->time_points[last]) + approach);
     return result;
   }
 

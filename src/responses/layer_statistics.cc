@@ -123,14 +123,14 @@ LayerStatistics layer_mean(const Grid<Dim>& grid, const LayerDensities& layers, 
 }
 
 template <int Dim>
-void add_magnitude_derivative(const PipelineState<Dim>& state, const std::vector<double>& magnitude,
-                              const std::vector<double>& d_magnitude, PipelineAdjoint<Dim>& adjoint) {
+void add_magnitude_derivative(const StageResults<Dim>& state, const std::vector<double>& magnitude,
+                              const std::vector<double>& d_magnitude, StageDerivatives<Dim>& adjoint) {
   auto& d_gradient = adjoint.time.gradient;
-  if (d_gradient.empty()) d_gradient.assign(state.time.gradient.size(), 0.0);
+  if (d_gradient.empty()) d_gradient.assign(state.time->gradient.size(), 0.0);
   for (std::size_t e = 0; e < magnitude.size(); ++e) {
     const double factor = d_magnitude[e] / magnitude[e];
     for (int axis = 0; axis < Dim; ++axis)
-      d_gradient[e * Dim + axis] += factor * state.time.gradient[e * Dim + axis];
+      d_gradient[e * Dim + axis] += factor * state.time->gradient[e * Dim + axis];
   }
 }
 

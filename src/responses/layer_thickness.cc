@@ -29,11 +29,11 @@ class LayerThickness : public Response<Dim> {
         tolerance_(settings.tolerance),
         least_volume_(settings.least_volume) {}
 
-  std::vector<double> values(const PipelineState<Dim>& state) const override {
+  std::vector<double> values(const StageResults<Dim>& state) const override {
     std::vector<double> result;
-    for (const LayerStatistics& layer : layer_statistics(context_, state.time, state.layers)) {
+    for (const LayerStatistics& layer : layer_statistics(context_, *state.time, *state.densities)) {
       const double value = layer.thickness / target_;
-      const Fade fade = fade_of(layer.volume, state.layers.count());
+      const Fade fade = fade_of(layer.volume, state.densities->count());
       result.push_back(fade.share < 1.0 ? 1.0 + fade.share * (value - 1.0) : value);
     }
     return result;
@@ -41,18 +41,18 @@ class LayerThickness : public Response<Dim> {
 
   /// With W = 1 . w, the mean is m_j = (M . w) / W, so that dm/dw_e = (M_e - m) / W and dm/dM_e = w_e / W.
   /// Without fading, d_j = (T_j - T_{j-1}) / m_j.
-  void add_derivative(int component, double weight, const PipelineState<Dim>& state,
-                      PipelineAdjoint<Dim>& adjoint) const override {
-    const std::vector<double> magnitude = gradient_magnitude(state.time, context_.characteristic_length);
+  void add_derivative(int component, double weight, const StageResults<Dim>& state,
+                      StageDerivatives<Dim>& adjoint) const override {
+    const std::vector<double> magnitude = gradient_magnitude(*state.time, context_.characteristic_length);
     const Grid<Dim>& grid = context_.part.grid();
-    const LayerStatistics layer = layer_mean(grid, state.layers, component, magnitude);
-    const Fade fade = fade_of(layer.volume, state.layers.count());
+    const LayerStatistics layer = layer_mean(grid, *state.densities, component, magnitude);
+    const Fade fade = fade_of(layer.volume, state.densities->count());
     const double through_volume =
         weight * (layer.thickness / target_ - 1.0) * fade.slope * grid.element_volume();
     weight *= fade.share;
     const double factor = -weight * layer.thickness / (target_ * layer.mean * layer.weight);
     auto& d_layer = DensityDerivatives::zeros_if_empty(adjoint.densities.layer[component], magnitude.size());
-    const std::vector<double>& density = state.layers.layer[component];
+    const std::vector<double>& density = state.densities->layer[component];
     std::vector<double> d_magnitude(magnitude.size());
     for (std::size_t e = 0; e < magnitude.size(); ++e) {
       d_layer[e] += factor * (magnitude[e] - layer.mean) + through_volume;

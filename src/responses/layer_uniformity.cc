@@ -41,8 +41,8 @@ class Uniformity : public Response<Dim> {
                : static_cast<double>(context_.part.count()) / std::pow(context_.characteristic_length, 2);
   }
 
-  std::vector<double> values(const PipelineState<Dim>& state) const override {
-    const auto statistics = layer_statistics(context_, state.time, state.layers);
+  std::vector<double> values(const StageResults<Dim>& state) const override {
+    const auto statistics = layer_statistics(context_, *state.time, *state.densities);
     double total = 0.0;
     for (const LayerStatistics& layer : statistics) {
       if (!variance_) total += layer.deviation;
@@ -52,19 +52,19 @@ class Uniformity : public Response<Dim> {
     return {variance_ ? total / filled_layers(statistics) : total};
   }
 
-  void add_derivative(int, double weight, const PipelineState<Dim>& state,
-                      PipelineAdjoint<Dim>& adjoint) const override {
-    const auto statistics = layer_statistics(context_, state.time, state.layers);
-    const std::vector<double> magnitude = gradient_magnitude(state.time, context_.characteristic_length);
+  void add_derivative(int, double weight, const StageResults<Dim>& state,
+                      StageDerivatives<Dim>& adjoint) const override {
+    const auto statistics = layer_statistics(context_, *state.time, *state.densities);
+    const std::vector<double> magnitude = gradient_magnitude(*state.time, context_.characteristic_length);
     std::vector<double> d_magnitude(magnitude.size(), 0.0);
-    for (int j = 0; j < state.layers.count(); ++j) {
+    for (int j = 0; j < state.densities->count(); ++j) {
       const LayerStatistics& layer = statistics[j];
       const Partials partials = this->partials(statistics, layer);
       if (partials.deviation == 0.0) continue;
       auto& d_layer = DensityDerivatives::zeros_if_empty(adjoint.densities.layer[j], magnitude.size());
       for (std::size_t e = 0; e < magnitude.size(); ++e) {
         const double difference = magnitude[e] - layer.mean;
-        const double density = state.layers.layer[j][e] + layer_density_floor;
+        const double density = state.densities->layer[j][e] + layer_density_floor;
         d_layer[e] += weight * (partials.deviation * difference * difference + partials.weight +
                                 partials.mean * difference / layer.weight);
         d_magnitude[e] +=

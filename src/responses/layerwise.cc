@@ -12,20 +12,20 @@ class Layerwise : public Response<Dim> {
  public:
   bool uses_displacements() const override { return true; }
 
-  std::vector<double> values(const PipelineState<Dim>& state) const override {
+  std::vector<double> values(const StageResults<Dim>& state) const override {
     double square = 0.0;
-    for_each_layer(state.process, [&](std::size_t, std::size_t, int, int, double u) { square += u * u; });
-    return {sum(state.process.all_layers, square)};
+    for_each_layer(*state.process, [&](std::size_t, std::size_t, int, int, double u) { square += u * u; });
+    return {sum(state.process->all_layers, square)};
   }
 
-  void add_derivative(int, double weight, const PipelineState<Dim>& state,
-                      PipelineAdjoint<Dim>& adjoint) const override {
+  void add_derivative(int, double weight, const StageResults<Dim>& state,
+                      StageDerivatives<Dim>& adjoint) const override {
     auto& derivative = adjoint.process.increments;
-    for (std::size_t block = derivative.size(); block < state.process.increments.size(); ++block) {
-      const LaneVector& increments = state.process.increments[block];
+    for (std::size_t block = derivative.size(); block < state.process->increments.size(); ++block) {
+      const LaneVector& increments = state.process->increments[block];
       derivative.emplace_back(increments.nodes, increments.components, increments.lanes);
     }
-    for_each_layer(state.process, [&](std::size_t block, std::size_t unknown, int begin, int end, double u) {
+    for_each_layer(*state.process, [&](std::size_t block, std::size_t unknown, int begin, int end, double u) {
       for (int lane = begin; lane < end; ++lane) derivative[block](unknown, lane) += 2.0 * weight * u;
     });
   }

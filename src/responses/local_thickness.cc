@@ -55,8 +55,8 @@ class LocalThickness : public Response<Dim> {
     for (double& end : ends_) end *= context.target_thickness;
   }
 
-  std::vector<double> values(const PipelineState<Dim>& state) const override {
-    const std::vector<double> magnitude = gradient_magnitude(state.time, context_.characteristic_length);
+  std::vector<double> values(const StageResults<Dim>& state) const override {
+    const std::vector<double> magnitude = gradient_magnitude(*state.time, context_.characteristic_length);
     const std::vector<double> duration = durations(state);
     std::vector<double> result(2);
     for (std::size_t e = 0; e < magnitude.size(); ++e)
@@ -67,10 +67,10 @@ class LocalThickness : public Response<Dim> {
     return result;
   }
 
-  void add_derivative(int component, double weight, const PipelineState<Dim>& state,
-                      PipelineAdjoint<Dim>& adjoint) const override {
+  void add_derivative(int component, double weight, const StageResults<Dim>& state,
+                      StageDerivatives<Dim>& adjoint) const override {
     weight *= context_.part.grid().element_volume() / context_.part.volume();
-    const std::vector<double> magnitude = gradient_magnitude(state.time, context_.characteristic_length);
+    const std::vector<double> magnitude = gradient_magnitude(*state.time, context_.characteristic_length);
     const std::vector<double> duration = durations(state);
     std::vector<double> d_magnitude(magnitude.size()), d_duration(magnitude.size());
     for (std::size_t e = 0; e < magnitude.size(); ++e) {
@@ -83,11 +83,11 @@ class LocalThickness : public Response<Dim> {
       d_magnitude[e] = -factor / magnitude[e];
     }
     add_magnitude_derivative(state, magnitude, d_magnitude, adjoint);
-    add_duration_derivative(state.layers, d_duration, adjoint.densities);
+    add_duration_derivative(*state.densities, d_duration, adjoint.densities);
     auto& d_time = DensityDerivatives::zeros_if_empty(adjoint.time.time, d_duration.size());
     for (std::size_t e = 0; e < d_duration.size(); ++e) {
-      if (state.time.time[e] > state.layers.time_points.back()) d_time[e] += d_duration[e];
-      if (state.time.time[e] < state.layers.time_points.front()) d_time[e] -= d_duration[e];
+      if (state.time->time[e] > state.densities->time_points.back()) d_time[e] += d_duration[e];
+      if (state.time->time[e] < state.densities->time_points.front()) d_time[e] -= d_duration[e];
     }
   }
 
@@ -104,10 +104,10 @@ class LocalThickness : public Response<Dim> {
   }
 
   /// Pseudo-time that the layer of each element takes up to it, if it is beyond all layers' time.
-  std::vector<double> durations(const PipelineState<Dim>& state) const {
-    const LayerDensities& layers = state.layers;
+  std::vector<double> durations(const StageResults<Dim>& state) const {
+    const LayerDensities& layers = *state.densities;
     std::vector<double> result(context_.part.part_density().size());
-    for (std::size_t e = 0; e < result.size(); ++e) result[e] = layers.beyond(state.time.time[e]);
+    for (std::size_t e = 0; e < result.size(); ++e) result[e] = layers.beyond(state.time->time[e]);
     for (int j = 0; j < layers.count(); ++j) {
       const double time = layers.time_points[j + 1] - layers.time_points[j];
       for (std::size_t e = 0; e < result.size(); ++e)

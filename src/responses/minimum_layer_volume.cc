@@ -28,16 +28,16 @@ class MinimumLayerVolume : public Response<Dim> {
   MinimumLayerVolume(const ResponseContext<Dim>& context, const MinimumLayerVolumeSettings& settings)
       : grid_(context.part.grid()), least_(settings.fraction * context.part.volume()) {}
 
-  std::vector<double> values(const PipelineState<Dim>& state) const override {
-    std::vector<double> result = layer_volumes(grid_, state.layers);
+  std::vector<double> values(const StageResults<Dim>& state) const override {
+    std::vector<double> result = layer_volumes(grid_, *state.densities);
     for (double& value : result) value = least_ - value;
     return result;
   }
 
-  void add_derivative(int component, double weight, const PipelineState<Dim>& state,
-                      PipelineAdjoint<Dim>& adjoint) const override {
+  void add_derivative(int component, double weight, const StageResults<Dim>& state,
+                      StageDerivatives<Dim>& adjoint) const override {
     auto& d_layer = DensityDerivatives::zeros_if_empty(adjoint.densities.layer[component],
-                                                       state.layers.layer[component].size());
+                                                       state.densities->layer[component].size());
     const double element_volume = grid_.element_volume();
     for (double& derivative : d_layer) derivative -= weight * element_volume;
   }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "fabseq/process/superposition.h"
 #include "responses/distortion_measures.h"
 
 #include <algorithm>
@@ -19,19 +20,19 @@ class OfScenarios {
   const Response<Dim>& distortion() const { return *distortion_; }
 
   /// J for a combination of the cases.
-  double value(const std::vector<double>& combination, const PipelineState<Dim>& state) const {
+  double value(const std::vector<double>& combination, const StageResults<Dim>& state) const {
     const ProcessResult process =
-        state.process.superposition->combined(state.process, combination, of_increments_);
-    return distortion_->values({state.time, state.layers, process})[0];
+        state.process->superposition->combined(*state.process, combination, of_increments_);
+    return distortion_->values({state.time, state.densities, process})[0];
   }
-  void add_derivative(const std::vector<double>& combination, double weight, const PipelineState<Dim>& state,
-                      PipelineAdjoint<Dim>& adjoint) const {
+  void add_derivative(const std::vector<double>& combination, double weight, const StageResults<Dim>& state,
+                      StageDerivatives<Dim>& adjoint) const {
     const ProcessResult process =
-        state.process.superposition->combined(state.process, combination, of_increments_);
-    PipelineAdjoint<Dim> own(state.layers.count());
-    distortion_->add_derivative(0, weight, {state.time, state.layers, process}, own);
+        state.process->superposition->combined(*state.process, combination, of_increments_);
+    StageDerivatives<Dim> own(state.densities->count());
+    distortion_->add_derivative(0, weight, {state.time, state.densities, process}, own);
     own.process.combination = combination;
-    adjoint.combinations.push_back(std::move(own.process));
+    adjoint.process.combinations.push_back(std::move(own.process));
   }
 
  private:
@@ -46,15 +47,15 @@ class EachScenario : public Response<Dim> {
   explicit EachScenario(OfScenarios<Dim> scenarios) : scenarios_(std::move(scenarios)) {}
 
   bool uses_displacements() const override { return true; }
-  std::vector<double> values(const PipelineState<Dim>& state) const override {
+  std::vector<double> values(const StageResults<Dim>& state) const override {
     std::vector<double> result;
-    for (const auto& combination : state.process.superposition->scenarios())
+    for (const auto& combination : state.process->superposition->scenarios())
       result.push_back(scenarios_.value(combination, state));
     return result;
   }
-  void add_derivative(int component, double weight, const PipelineState<Dim>& state,
-                      PipelineAdjoint<Dim>& adjoint) const override {
-    scenarios_.add_derivative(state.process.superposition->scenarios()[component], weight, state, adjoint);
+  void add_derivative(int component, double weight, const StageResults<Dim>& state,
+                      StageDerivatives<Dim>& adjoint) const override {
+    scenarios_.add_derivative(state.process->superposition->scenarios()[component], weight, state, adjoint);
   }
 
  private:
@@ -68,12 +69,12 @@ class WorstScenario : public Response<Dim> {
   explicit WorstScenario(OfScenarios<Dim> scenarios) : each_(std::move(scenarios)) {}
 
   bool uses_displacements() const override { return true; }
-  std::vector<double> values(const PipelineState<Dim>& state) const override {
+  std::vector<double> values(const StageResults<Dim>& state) const override {
     const std::vector<double> all = each_.values(state);
     return {*std::max_element(all.begin(), all.end())};
   }
-  void add_derivative(int, double weight, const PipelineState<Dim>& state,
-                      PipelineAdjoint<Dim>& adjoint) const override {
+  void add_derivative(int, double weight, const StageResults<Dim>& state,
+                      StageDerivatives<Dim>& adjoint) const override {
     const std::vector<double> all = each_.values(state);
     const auto largest = std::max_element(all.begin(), all.end()) - all.begin();
     each_.add_derivative(static_cast<int>(largest), weight, state, adjoint);
@@ -94,22 +95,22 @@ class MeanOfScenarios : public Response<Dim> {
       : scenarios_(std::move(scenarios)), of_deviations_(of_deviations) {}
 
   bool uses_displacements() const override { return true; }
-  std::vector<double> values(const PipelineState<Dim>& state) const override {
+  std::vector<double> values(const StageResults<Dim>& state) const override {
     const auto all = combinations(state);
     double total = 0.0;
     for (const auto& combination : all) total += scenarios_.value(combination, state);
     return {total / static_cast<double>(all.size())};
   }
-  void add_derivative(int, double weight, const PipelineState<Dim>& state,
-                      PipelineAdjoint<Dim>& adjoint) const override {
+  void add_derivative(int, double weight, const StageResults<Dim>& state,
+                      StageDerivatives<Dim>& adjoint) const override {
     const auto all = combinations(state);
     for (const auto& combination : all)
       scenarios_.add_derivative(combination, weight / static_cast<double>(all.size()), state, adjoint);
   }
 
  private:
-  std::vector<std::vector<double>> combinations(const PipelineState<Dim>& state) const {
-    std::vector<std::vector<double>> result = state.process.superposition->scenarios();
+  std::vector<std::vector<double>> combinations(const StageResults<Dim>& state) const {
+    std::vector<std::vector<double>> result = state.process->superposition->scenarios();
     if (!of_deviations_) return result;
     std::vector<double> mean(result.front().size(), 0.0);
     for (const auto& combination : result)

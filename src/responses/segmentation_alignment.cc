@@ -39,24 +39,24 @@ class SegmentationAlignment : public Response<Dim> {
 
   double size() const override { return static_cast<double>(part_.count()); }
 
-  std::vector<double> values(const PipelineState<Dim>& state) const override {
-    const SubParts& sub_parts = state.layers.sub_parts;
+  std::vector<double> values(const StageResults<Dim>& state) const override {
+    const SubParts& sub_parts = state.densities->sub_parts;
     if (sub_parts.count() == 0) return {std::numeric_limits<double>::quiet_NaN()};  // the planar baseline
     double total = 0.0;
     for (std::size_t i = 0; i < sub_parts.timestamps.size(); ++i) {
       const Band band(sub_parts.timestamps[i], band_);
-      for (std::size_t e = 0; e < state.time.time.size(); ++e)
-        total += part_.part_density()[e] * band.value(state.time.time[e]) *
+      for (std::size_t e = 0; e < state.time->time.size(); ++e)
+        total += part_.part_density()[e] * band.value(state.time->time[e]) *
                  (1.0 - along(state, i, e, gradient_length(state, e)));
     }
     return {sum(part_.grid().comm(), total)};
   }
 
   /// With g = grad t and s = sqrt(|g|^2 + eps): d(g . n / s) = (n - (g . n) g / s^2) . dg / s + g . dn / s.
-  void add_derivative(int, double weight, const PipelineState<Dim>& state,
-                      PipelineAdjoint<Dim>& adjoint) const override {
-    const SubParts& sub_parts = state.layers.sub_parts;
-    const std::size_t elements = state.time.time.size();
+  void add_derivative(int, double weight, const StageResults<Dim>& state,
+                      StageDerivatives<Dim>& adjoint) const override {
+    const SubParts& sub_parts = state.densities->sub_parts;
+    const std::size_t elements = state.time->time.size();
     auto& d_time = DensityDerivatives::zeros_if_empty(adjoint.time.time, elements);
     auto& d_gradient = DensityDerivatives::zeros_if_empty(adjoint.time.gradient, elements * Dim);
     auto& d_directions = adjoint.densities.directions_or_zeros(sub_parts);
@@ -65,10 +65,10 @@ class SegmentationAlignment : public Response<Dim> {
       for (std::size_t e = 0; e < elements; ++e) {
         const double density = weight * part_.part_density()[e];
         const double length = gradient_length(state, e), cosine = along(state, i, e, length);
-        d_time[e] += density * band.derivative(state.time.time[e]) * (1.0 - cosine);
-        const double factor = -density * band.value(state.time.time[e]) / length;
+        d_time[e] += density * band.derivative(state.time->time[e]) * (1.0 - cosine);
+        const double factor = -density * band.value(state.time->time[e]) / length;
         for (int axis = 0; axis < Dim; ++axis) {
-          const double g = state.time.gradient[e * Dim + axis];
+          const double g = state.time->gradient[e * Dim + axis];
           d_gradient[e * Dim + axis] += factor * (next_direction(sub_parts, i)[axis] - cosine * g / length);
           d_directions[(i + 1) * Dim + axis] += factor * g;
         }
@@ -91,18 +91,18 @@ class SegmentationAlignment : public Response<Dim> {
   static const double* next_direction(const SubParts& sub_parts, std::size_t timestamp) {
     return &sub_parts.directions[(timestamp + 1) * Dim];
   }
-  static double gradient_length(const PipelineState<Dim>& state, std::size_t element) {
+  static double gradient_length(const StageResults<Dim>& state, std::size_t element) {
     double square = regularization;
-    for (int axis = 0; axis < Dim; ++axis) square += std::pow(state.time.gradient[element * Dim + axis], 2);
+    for (int axis = 0; axis < Dim; ++axis) square += std::pow(state.time->gradient[element * Dim + axis], 2);
     return std::sqrt(square);
   }
   /// -v . n_{i+1}: cosine of the angle between grad t and the next print direction.
-  static double along(const PipelineState<Dim>& state, std::size_t timestamp, std::size_t element,
+  static double along(const StageResults<Dim>& state, std::size_t timestamp, std::size_t element,
                       double length) {
     double product = 0.0;
     for (int axis = 0; axis < Dim; ++axis)
-      product +=
-          state.time.gradient[element * Dim + axis] * next_direction(state.layers.sub_parts, timestamp)[axis];
+      product += state.time->gradient[element * Dim + axis] *
+                 next_direction(state.densities->sub_parts, timestamp)[axis];
     return product / length;
   }
 

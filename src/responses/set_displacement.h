@@ -34,12 +34,12 @@ class SetDisplacement {
     return part_.grid().node_position(part_.grid().owned_nodes().index(node));
   }
   /// Displacement component of an owned node, length unit.
-  double at(const PipelineState<Dim>& state, int node, int axis) const {
+  double at(const StageResults<Dim>& state, int node, int axis) const {
     const std::size_t i = static_cast<std::size_t>(node) * Dim + axis;
-    return state.process.displacement[i] + (after_release_ ? state.process.release[i] : 0.0);
+    return state.process->displacement[i] + (after_release_ ? state.process->release[i] : 0.0);
   }
   /// The displacement of all owned nodes of the set, length unit.
-  SetFunction all(const PipelineState<Dim>& state) const {
+  SetFunction all(const StageResults<Dim>& state) const {
     SetFunction result;
     for (const int node : nodes_.owned)
       for (int axis = 0; axis < Dim; ++axis) result.push_back(at(state, node, axis));
@@ -47,30 +47,30 @@ class SetDisplacement {
   }
   /// Adds `value` times the derivative of at() to `adjoint`. The displacement after the release is u + v, so
   /// the derivative goes to both.
-  void add_derivative(int node, int axis, double value, const PipelineState<Dim>& state,
-                      PipelineAdjoint<Dim>& adjoint) const {
+  void add_derivative(int node, int axis, double value, const StageResults<Dim>& state,
+                      StageDerivatives<Dim>& adjoint) const {
     const std::size_t i = static_cast<std::size_t>(node) * Dim + axis;
     zeros_if_empty(adjoint.process.displacement, state)[i] += value;
     if (after_release_) zeros_if_empty(adjoint.process.release, state)[i] += value;
   }
   /// Adds a functional's derivative, `factor` times the function's products with all(), to `adjoint`.
-  void add_derivative(const SetFunction& function, double factor, const PipelineState<Dim>& state,
-                      PipelineAdjoint<Dim>& adjoint) const {
+  void add_derivative(const SetFunction& function, double factor, const StageResults<Dim>& state,
+                      StageDerivatives<Dim>& adjoint) const {
     prepare(state, adjoint);
     for (std::size_t i = 0; i < nodes_.owned.size(); ++i)
       for (int axis = 0; axis < Dim; ++axis)
         add_derivative(nodes_.owned[i], axis, factor * function[i * Dim + axis], state, adjoint);
   }
   /// Makes room for derivatives. All ranks must call it, also those without a node of the set.
-  void prepare(const PipelineState<Dim>& state, PipelineAdjoint<Dim>& adjoint) const {
+  void prepare(const StageResults<Dim>& state, StageDerivatives<Dim>& adjoint) const {
     zeros_if_empty(adjoint.process.displacement, state);
     if (after_release_) zeros_if_empty(adjoint.process.release, state);
   }
 
  private:
   static std::vector<double>& zeros_if_empty(std::vector<double>& derivative,
-                                             const PipelineState<Dim>& state) {
-    if (derivative.empty()) derivative.assign(state.process.displacement.size(), 0.0);
+                                             const StageResults<Dim>& state) {
+    if (derivative.empty()) derivative.assign(state.process->displacement.size(), 0.0);
     return derivative;
   }
 

@@ -27,15 +27,15 @@ class ShapeDeviation : public Response<Dim> {
 
   bool uses_displacements() const override { return true; }
 
-  std::vector<double> values(const PipelineState<Dim>& state) const override {
+  std::vector<double> values(const StageResults<Dim>& state) const override {
     const SetFunction left = deviation(state);
     const double square = std::inner_product(left.begin(), left.end(), left.begin(), 0.0);
     return {sum(set_.comm(), square) / static_cast<double>(set_.nodes().count)};
   }
 
   /// What the fit takes out is orthogonal to what it leaves: it does not enter the derivative.
-  void add_derivative(int, double weight, const PipelineState<Dim>& state,
-                      PipelineAdjoint<Dim>& adjoint) const override {
+  void add_derivative(int, double weight, const StageResults<Dim>& state,
+                      StageDerivatives<Dim>& adjoint) const override {
     const double factor = 2.0 * weight / static_cast<double>(set_.nodes().count);
     set_.add_derivative(deviation(state), factor, state, adjoint);
   }
@@ -78,7 +78,7 @@ class ShapeDeviation : public Response<Dim> {
                      "the fit leaves in place, or fewer entries in fit");
   }
 
-  SetFunction deviation(const PipelineState<Dim>& state) const {
+  SetFunction deviation(const StageResults<Dim>& state) const {
     SetFunction result = set_.all(state);
     motions_.remove_from(result);
     return result;

@@ -23,8 +23,8 @@ class SubpartVolume : public Response<Dim> {
         volume_fraction_(context.part.grid().element_volume() / context.part.volume()),
         tolerance_(settings.tolerance) {}
 
-  std::vector<double> values(const PipelineState<Dim>& state) const override {
-    const SubParts& sub_parts = state.layers.sub_parts;
+  std::vector<double> values(const StageResults<Dim>& state) const override {
+    const SubParts& sub_parts = state.densities->sub_parts;
     if (sub_parts.count() == 0) return undefined_;  // the planar baseline
     std::vector<double> result;
     for (const auto& densities : sub_parts.density) {
@@ -37,9 +37,9 @@ class SubpartVolume : public Response<Dim> {
     return result;
   }
 
-  void add_derivative(int component, double weight, const PipelineState<Dim>& state,
-                      PipelineAdjoint<Dim>& adjoint) const override {
-    const SubParts& sub_parts = state.layers.sub_parts;
+  void add_derivative(int component, double weight, const StageResults<Dim>& state,
+                      StageDerivatives<Dim>& adjoint) const override {
+    const SubParts& sub_parts = state.densities->sub_parts;
     for (double& derivative : adjoint.densities.sub_part_or_zeros(sub_parts, component))
       derivative += weight * share_of_element(sub_parts);
   }

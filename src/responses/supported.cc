@@ -28,8 +28,8 @@ class Supported : public Response<Dim> {
         limit_(settings.limit),
         below_(context.part, context.tool.bead_width, settings.sharpness) {}
 
-  std::vector<double> values(const PipelineState<Dim>& state) const override {
-    const std::vector<double> times = below_.gather(state.time.time);
+  std::vector<double> values(const StageResults<Dim>& state) const override {
+    const std::vector<double> times = below_.gather(state.time->time);
     double total = 0.0;
     for_each(state, [&](std::size_t e, int, const BuildTime& when, const UnitGradient<Dim>&,
                         const Point<Dim>& axis) {
@@ -39,12 +39,12 @@ class Supported : public Response<Dim> {
     return {sum(context_.part.grid().comm(), total) * unit()};
   }
 
-  void add_derivative(int, double weight, const PipelineState<Dim>& state,
-                      PipelineAdjoint<Dim>& adjoint) const override {
-    const std::vector<double> times = below_.gather(state.time.time);
-    const SubParts& sub_parts = state.layers.sub_parts;
-    auto& d_time = DensityDerivatives::zeros_if_empty(adjoint.time.time, state.time.time.size());
-    auto& d_gradient = DensityDerivatives::zeros_if_empty(adjoint.time.gradient, state.time.gradient.size());
+  void add_derivative(int, double weight, const StageResults<Dim>& state,
+                      StageDerivatives<Dim>& adjoint) const override {
+    const std::vector<double> times = below_.gather(state.time->time);
+    const SubParts& sub_parts = state.densities->sub_parts;
+    auto& d_time = DensityDerivatives::zeros_if_empty(adjoint.time.time, state.time->time.size());
+    auto& d_gradient = DensityDerivatives::zeros_if_empty(adjoint.time.gradient, state.time->gradient.size());
     std::vector<double> d_times(times.size());
     for_each(state, [&](std::size_t e, int sub_part, const BuildTime& when, const UnitGradient<Dim>& gradient,
                         const Point<Dim>& axis) {
@@ -77,11 +77,11 @@ class Supported : public Response<Dim> {
   /// Calls what(part element, sub-part or -1, when it is built, grad t there, build direction) for each
   /// element and each sub-part that it may belong to.
   template <class What>
-  void for_each(const PipelineState<Dim>& state, What&& what) const {
-    const SubParts& sub_parts = state.layers.sub_parts;
-    for (std::size_t e = 0; e < state.time.time.size(); ++e) {
-      const UnitGradient<Dim> gradient(&state.time.gradient[e * Dim], context_.characteristic_length);
-      BuildTime when{.time = state.time.time[e], .clock = gradient.length * below_.edge()};
+  void for_each(const StageResults<Dim>& state, What&& what) const {
+    const SubParts& sub_parts = state.densities->sub_parts;
+    for (std::size_t e = 0; e < state.time->time.size(); ++e) {
+      const UnitGradient<Dim> gradient(&state.time->gradient[e * Dim], context_.characteristic_length);
+      BuildTime when{.time = state.time->time[e], .clock = gradient.length * below_.edge()};
       if (sub_parts.count() == 0) what(e, -1, when, gradient, gradient.vector);
       for (int i = 0; i < sub_parts.count(); ++i) {
         when.of_sub_part = true;

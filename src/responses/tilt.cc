@@ -47,7 +47,7 @@ class Tilt : public Response<Dim> {
     epsilon_ = 0.25 * (std::cos(radians(from)) - std::cos(radians(to)));
   }
 
-  std::vector<double> values(const PipelineState<Dim>& state) const override {
+  std::vector<double> values(const StageResults<Dim>& state) const override {
     double total = 0.0;
     for_each(state, [&](std::size_t e, int sub_part, double density) {
       total += density * beyond(direction(state, e, sub_part).vector).value;
@@ -56,10 +56,10 @@ class Tilt : public Response<Dim> {
     return {sum(comm, total) * context_.part.grid().element_volume() / context_.part.volume()};
   }
 
-  void add_derivative(int, double weight, const PipelineState<Dim>& state,
-                      PipelineAdjoint<Dim>& adjoint) const override {
+  void add_derivative(int, double weight, const StageResults<Dim>& state,
+                      StageDerivatives<Dim>& adjoint) const override {
     weight *= context_.part.grid().element_volume() / context_.part.volume();
-    const SubParts& sub_parts = state.layers.sub_parts;
+    const SubParts& sub_parts = state.densities->sub_parts;
     for_each(state, [&](std::size_t e, int sub_part, double density) {
       const UnitGradient<Dim> axis = direction(state, e, sub_part);
       const SmoothExcess excess = beyond(axis.vector);
@@ -67,8 +67,8 @@ class Tilt : public Response<Dim> {
       Point<Dim> d_axis;
       for (int i = 0; i < Dim; ++i) d_axis[i] = factor * up_[i];
       if (sub_part < 0) {
-        axis.add_derivative(d_axis, &DensityDerivatives::zeros_if_empty(adjoint.time.gradient,
-                                                                        state.time.gradient.size())[e * Dim]);
+        axis.add_derivative(d_axis, &DensityDerivatives::zeros_if_empty(
+                                        adjoint.time.gradient, state.time->gradient.size())[e * Dim]);
         return;
       }
       adjoint.densities.sub_part_or_zeros(sub_parts, sub_part)[e] +=
@@ -88,8 +88,8 @@ class Tilt : public Response<Dim> {
 
   /// Calls what(part element, sub-part or -1, how much the element counts in it).
   template <class What>
-  void for_each(const PipelineState<Dim>& state, What&& what) const {
-    const SubParts& sub_parts = state.layers.sub_parts;
+  void for_each(const StageResults<Dim>& state, What&& what) const {
+    const SubParts& sub_parts = state.densities->sub_parts;
     const std::vector<double>& density = context_.part.part_density();
     for (std::size_t e = 0; e < density.size(); ++e) {
       const double counts = context_.weight_of(e);
@@ -98,10 +98,11 @@ class Tilt : public Response<Dim> {
     }
   }
 
-  UnitGradient<Dim> direction(const PipelineState<Dim>& state, std::size_t e, int sub_part) const {
-    if (sub_part < 0) return UnitGradient<Dim>(&state.time.gradient[e * Dim], context_.characteristic_length);
+  UnitGradient<Dim> direction(const StageResults<Dim>& state, std::size_t e, int sub_part) const {
+    if (sub_part < 0)
+      return UnitGradient<Dim>(&state.time->gradient[e * Dim], context_.characteristic_length);
     UnitGradient<Dim> result;
-    std::copy_n(&state.layers.sub_parts.directions[static_cast<std::size_t>(sub_part) * Dim], Dim,
+    std::copy_n(&state.densities->sub_parts.directions[static_cast<std::size_t>(sub_part) * Dim], Dim,
                 result.vector.begin());
     return result;
   }

@@ -49,7 +49,7 @@ class ToolClearance : public Response<Dim> {
         cells_(ringed(halo_.box())),
         material_around_(material_around()) {}
 
-  std::vector<double> values(const PipelineState<Dim>& state) const override {
+  std::vector<double> values(const StageResults<Dim>& state) const override {
     const Field field = gather(state);
     double total = 0.0;
     for_each_element(state, [&](std::size_t e, const Place& place, const LeastRotation<Dim>& rotation) {
@@ -63,8 +63,8 @@ class ToolClearance : public Response<Dim> {
     return {sum(context_.part.grid().comm(), total) * unit()};
   }
 
-  void add_derivative(int, double weight, const PipelineState<Dim>& state,
-                      PipelineAdjoint<Dim>& adjoint) const override {
+  void add_derivative(int, double weight, const StageResults<Dim>& state,
+                      StageDerivatives<Dim>& adjoint) const override {
     const Field field = gather(state);
     const std::size_t elements = context_.part.part_density().size();
     auto& d_time = DensityDerivatives::zeros_if_empty(adjoint.time.time, elements);
@@ -133,10 +133,10 @@ class ToolClearance : public Response<Dim> {
     return result;
   }
 
-  Field gather(const PipelineState<Dim>& state) const {
-    const double layer = 1.0 / state.layers.count();
+  Field gather(const StageResults<Dim>& state) const {
+    const double layer = 1.0 / state.densities->count();
     const Part<Dim>& part = context_.part;
-    return {halo_.gather(part.expand(state.time.time, 0.0, substrate_time)), settings_.delay * layer,
+    return {halo_.gather(part.expand(state.time->time, 0.0, substrate_time)), settings_.delay * layer,
             settings_.sharpness * layer};
   }
   /// How much an element counts.
@@ -147,22 +147,22 @@ class ToolClearance : public Response<Dim> {
            (context_.part.volume() * static_cast<double>(samples_.size()));
   }
   bool turns() const { return context_.tool.axis.empty(); }
-  UnitGradient<Dim> direction(const PipelineState<Dim>& state, std::size_t e) const {
-    return UnitGradient<Dim>(&state.time.gradient[e * Dim], context_.characteristic_length);
+  UnitGradient<Dim> direction(const StageResults<Dim>& state, std::size_t e) const {
+    return UnitGradient<Dim>(&state.time->gradient[e * Dim], context_.characteristic_length);
   }
-  static std::vector<double>& gradient_or_zeros(const PipelineState<Dim>& state,
-                                                PipelineAdjoint<Dim>& adjoint) {
-    return DensityDerivatives::zeros_if_empty(adjoint.time.gradient, state.time.gradient.size());
+  static std::vector<double>& gradient_or_zeros(const StageResults<Dim>& state,
+                                                StageDerivatives<Dim>& adjoint) {
+    return DensityDerivatives::zeros_if_empty(adjoint.time.gradient, state.time->gradient.size());
   }
   /// Calls what(part element, its place, rotation of the torch there) for those that count.
   template <class What>
-  void for_each_element(const PipelineState<Dim>& state, What&& what) const {
+  void for_each_element(const StageResults<Dim>& state, What&& what) const {
     const Part<Dim>& part = context_.part;
     const Point<Dim> fixed = turns() ? up_ : fixed_torch_axis<Dim>(context_.tool);
     for (std::size_t e = 0; e < part.elements().size(); ++e) {
       if (context_.weight_of(e) == 0.0) continue;
       const Point<Dim> axis = turns() ? direction(state, e).vector : fixed;
-      what(e, Place{part.grid().owned_elements().index(part.elements()[e]), state.time.time[e]},
+      what(e, Place{part.grid().owned_elements().index(part.elements()[e]), state.time->time[e]},
            LeastRotation<Dim>(up_, axis));
     }
   }

@@ -61,7 +61,7 @@ FinalReports final_reports(const Setup<Dim>& setup, const Problem<Dim>& problem,
                            const BestIterate& best, PhaseTimer& timer) {
   FinalReports reports;
   const auto state = pipeline.run(best.design(), best.beta(), true);
-  reports.interior_minima = count_interior_minima<Dim>(setup.part, state.time.time);
+  reports.interior_minima = count_interior_minima<Dim>(setup.part, state.time->time);
   reports.binary = report_sequence(setup, problem, pipeline, state);
   auto repaired =
       setup.config.optimizer.repair_iterations > 0
@@ -160,7 +160,7 @@ std::optional<JudgedValues> judge_binary(const Setup<Dim>& setup, Pipeline<Dim>&
 
 template <int Dim>
 void adapt_limits(const Setup<Dim>& setup, RunState<Dim>& run, const Pipeline<Dim>& pipeline,
-                  const PipelineState<Dim>& state, const Iterate& iterate) {
+                  const StageResults<Dim>& state, const Iterate& iterate) {
   if (!run.problem.adapts()) return;
   const std::optional<BeyondLimits> beyond =
       iterate.binary ? iterate.binary->beyond_limits

@@ -16,7 +16,7 @@ namespace fabseq {
 template <int Dim>
 struct RepairedSequence {
   std::unique_ptr<Pipeline<Dim>> pipeline;  ///< of the mended times
-  PipelineState<Dim> state;                 ///< of its run in binary layers
+  StageResults<Dim> state;                  ///< of its run in binary layers
   Design design;                            ///< for its runs: it has no field
   SequenceReport binary;
   RepairReport repair;

@@ -85,11 +85,11 @@ Stress<Dim> released_stress(const ElasticModel<Dim>& model, const Part<Dim>& par
 /// What the last run of a pipeline comes to.
 template <int Dim>
 Simulation<Dim> simulation_of(const Setup<Dim>& setup, Pipeline<Dim>& pipeline,
-                              const PipelineState<Dim>& state, SequenceReport report) {
+                              const StageResults<Dim>& state, SequenceReport report) {
   const ElasticProcess<Dim>& process = pipeline.process();
   Simulation<Dim> result{std::move(report),
-                         {setup.part, residual_stress(process, state.layers)},
-                         increment_norms(process, state.layers.count(), setup.grid.comm())};
+                         {setup.part, residual_stress(process, *state.densities)},
+                         increment_norms(process, state.densities->count(), setup.grid.comm())};
   result.report.strain = strain_when_built(pipeline);
   const FinishedShape& shape = result.shape();
   if (shape.released)

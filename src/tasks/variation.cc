@@ -26,7 +26,7 @@ VariedNumbers numbers_of(const DepositionNumbers& numbers) {
 /// form of it.
 template <int Dim>
 std::vector<std::optional<double>> quadratic_terms(const Model<Dim>& model, const Problem<Dim>& problem,
-                                                   Pipeline<Dim>& pipeline, const PipelineState<Dim>& state) {
+                                                   Pipeline<Dim>& pipeline, const StageResults<Dim>& state) {
   std::vector<std::optional<double>> result;
   for (std::size_t k = 0; k < problem.objective_count(); ++k) {
     const Term& term = model.settings.objective[k];
@@ -42,14 +42,14 @@ std::vector<std::optional<double>> quadratic_terms(const Model<Dim>& model, cons
 /// and the mean of J is J(u) + sigma^2 sum_j J(du_j).
 template <int Dim>
 VariedNumbers with_noise(const Model<Dim>& model, const Problem<Dim>& problem, Pipeline<Dim>& pipeline,
-                         const PipelineState<Dim>& state, VariedNumbers numbers) {
-  const Superposition& linear = *state.process.superposition;
-  std::vector<double> deviation(state.process.displacement.size(), 0.0);
-  for (int j = 0; j < state.layers.count(); ++j) {
-    const ProcessResult layer = linear.of_part(state.process, pipeline.process().layer_increment(j, true));
+                         const StageResults<Dim>& state, VariedNumbers numbers) {
+  const Superposition& linear = *state.process->superposition;
+  std::vector<double> deviation(state.process->displacement.size(), 0.0);
+  for (int j = 0; j < state.densities->count(); ++j) {
+    const ProcessResult layer = linear.of_part(*state.process, pipeline.process().layer_increment(j, true));
     for (std::size_t i = 0; i < deviation.size(); ++i)
       deviation[i] += std::pow(size_of_change * layer.displacement[i], 2);
-    const auto terms = quadratic_terms(model, problem, pipeline, {state.time, state.layers, layer});
+    const auto terms = quadratic_terms(model, problem, pipeline, {state.time, state.densities, layer});
     for (std::size_t k = 0; k < terms.size(); ++k) {
       if (!terms[k]) numbers.distortions[k].reset();
       if (numbers.distortions[k]) *numbers.distortions[k] += size_of_change * size_of_change * *terms[k];

@@ -66,19 +66,19 @@ class FactorStage : public Stage<Dim> {
     std::vector<double> factors;
     for (const std::vector<double>& density : layers.layer) factors.push_back(1.0 + slope * volume(density));
     scaled_.emplace(*results.strains, std::move(factors));
-    results.strains = &*scaled_;
+    results.strains = *scaled_;
   }
 
-  void pull_back(const PipelineState<Dim>& state, const SolveTolerance& /*tolerance*/,
+  void pull_back(const StageResults<Dim>& state, const SolveTolerance& /*tolerance*/,
                  AdjointRowSpan<Dim> rows) override {
     for (AdjointRow<Dim>* row : rows) {
-      std::vector<double>& d_inputs = row->adjoint.strains;
+      std::vector<double>& d_inputs = row->adjoint.strains.inputs;
       if (d_inputs.empty()) continue;
-      const auto first = d_inputs.end() - state.layers.count();
-      for (int j = 0; j < state.layers.count(); ++j) {
+      const auto first = d_inputs.end() - state.densities->count();
+      for (int j = 0; j < state.densities->count(); ++j) {
         const double d_volume = slope * sum(comm_, first[j]) / elements_;
-        auto& d_layer =
-            DensityDerivatives::zeros_if_empty(row->adjoint.densities.layer[j], state.layers.layer[j].size());
+        auto& d_layer = DensityDerivatives::zeros_if_empty(row->adjoint.densities.layer[j],
+                                                           state.densities->layer[j].size());
         for (double& derivative : d_layer) derivative += d_volume;
       }
       d_inputs.erase(first, d_inputs.end());
@@ -97,7 +97,8 @@ class FactorStage : public Stage<Dim> {
 };
 
 StageCost no_cost(const RunSize&, SolverPath, int, int) { return {.seconds = 1e9}; }
-const RegisteredStage<FactorStage> factor_stage{{"factors", {"layers", "strains"}, {"strains"}}, no_cost};
+const RegisteredStage<FactorStage> factor_stage{
+    {"factors", {&Results::densities, &Results::strains}, {&Results::strains}}, no_cost};
 
 TEST(StageTest, OrderFollowsFromResults) {
   std::vector<std::string> names;

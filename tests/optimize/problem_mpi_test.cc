@@ -74,10 +74,10 @@ TYPED_TEST(ProblemTest, NegligibleValuesAreNotScaledUp) {
   auto& pipeline = this->case_;
   const auto state = pipeline.run(pipeline.wavy_design());
   const ProblemValues first = pipeline.problem.evaluate(pipeline.pipeline, state);
-  ProcessResult small = state.process;
+  ProcessResult small = *state.process;
   for (double& u : small.displacement) u *= 1e-9;
   const ProblemValues values =
-      pipeline.problem.evaluate(pipeline.pipeline, {state.time, state.layers, small});
+      pipeline.problem.evaluate(pipeline.pipeline, {state.time, state.densities, small});
   int compared = 0;
   for (int i = 0; i < 6; ++i) {
     const double share = values.objective[i][0] / first.objective[i][0];
@@ -95,9 +95,10 @@ TYPED_TEST(ProblemTest, WhatBeginsWithRoundingIsScaledByItsSize) {
   const double size = std::pow(0.01 * pipeline.setup.part.longest_edge(), 2);  // strain times length
   for (const double factor : {0.0, 1e-12}) {
     test::PipelineCase<TypeParam::value> other;
-    ProcessResult small = state.process;
+    ProcessResult small = *state.process;
     for (double& u : small.displacement) u *= factor;
-    const ProblemValues first = other.problem.evaluate(pipeline.pipeline, {state.time, state.layers, small});
+    const ProblemValues first =
+        other.problem.evaluate(pipeline.pipeline, {state.time, state.densities, small});
     const ProblemValues second = other.problem.evaluate(pipeline.pipeline, state);
     for (const int i : {0, 1}) {
       const double value = second.objective[i][0];
@@ -197,10 +198,10 @@ TYPED_TEST(ProblemTest, NamesComponentsAsTheContractDoes) {
 TYPED_TEST(ProblemTest, RefusesValuesThatAreNotFinite) {
   auto& pipeline = this->case_;
   const auto state = pipeline.run(pipeline.wavy_design());
-  ProcessResult broken = state.process;
+  ProcessResult broken = *state.process;
   for (double& u : broken.displacement) u = NAN;
   try {
-    (void)pipeline.problem.evaluate(pipeline.pipeline, {state.time, state.layers, broken});
+    (void)pipeline.problem.evaluate(pipeline.pipeline, {state.time, state.densities, broken});
     ADD_FAILURE() << "nothing thrown";
   } catch (const NumericalError& error) {
     EXPECT_NE(std::string(error.what()).find("objective_0 (distortion)"), std::string::npos) << error.what();

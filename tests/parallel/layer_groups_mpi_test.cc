@@ -141,7 +141,7 @@ Results evaluate(int groups, const Settings& settings) {
   for (int times = 0; times < 2; ++times) {  // the second time dealt out by the first one's iterations
     const auto state = pipeline.run(design);
     results.values = pipeline.pipeline.values(pipeline.problem.responses(), state);
-    results.displacement = test::whole_node_field<Dim>(setup.grid, state.process.displacement, Dim);
+    results.displacement = test::whole_node_field<Dim>(setup.grid, state.process->displacement, Dim);
     std::vector<GradientRow> rows;
     for (int r = 0; r < static_cast<int>(results.values.size()); ++r)
       for (int c = 0; c < static_cast<int>(results.values[r].size()); ++c) rows.push_back({{r, c, 1.0}});
@@ -217,14 +217,14 @@ TYPED_TEST(LayerGroupsPipelineTest, IncrementsAddUp) {
     test::PipelineCase<Dim> pipeline(
         Settings{{"layers.count", "11"}, {"solver.layer_groups", std::to_string(count)}});
     const auto state = pipeline.run(pipeline.setup.groups.share(pipeline.wavy_design()));
-    std::vector<double> total(state.process.displacement.size(), 0.0);
+    std::vector<double> total(state.process->displacement.size(), 0.0);
     for (int layer = 0; layer < 11; ++layer) {
       const std::vector<double> increment = pipeline.pipeline.process().layer_increment(layer, true);
       ASSERT_EQ(increment.size(), total.size());
       for (std::size_t i = 0; i < total.size(); ++i) total[i] += increment[i];
     }
     for (std::size_t i = 0; i < total.size(); ++i)
-      EXPECT_NEAR(total[i], state.process.displacement[i], 1e-14);
+      EXPECT_NEAR(total[i], state.process->displacement[i], 1e-14);
   }
 }
 

@@ -28,7 +28,7 @@ class ContinuityCase {
   const Part<Dim>& part() const { return on_grid_.part; }
   const Response<Dim>& response() const { return *response_; }
   std::vector<double>& time() { return time_.time; }
-  PipelineState<Dim> state() const { return {time_, layers_, process_}; }
+  StageResults<Dim> state() const { return {time_, layers_, process_}; }
   double value() const { return response_->values(state())[0]; }
 
   /// By definition, on the whole grid; elements in the start region do not count.
@@ -94,7 +94,7 @@ TYPED_TEST(ContinuityTest, DerivativeAgreesWithDifferences) {
   for (const auto& start : {std::vector<char>{}, every_third<Dim>()}) {
     ContinuityCase<Dim> continuity(start);
     const auto direction = test::noise_field(continuity.part(), -1.0, 1.0, 4);
-    PipelineAdjoint<Dim> adjoint(3);
+    StageDerivatives<Dim> adjoint(3);
     adjoint.time.time.assign(direction.size(), 0.0);
     continuity.response().add_derivative(0, 0.7, continuity.state(), adjoint);
     const std::vector<double> time = continuity.time();

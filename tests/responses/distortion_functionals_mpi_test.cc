@@ -89,7 +89,7 @@ TYPED_TEST(DistortionFunctionalsTest, LinearDisplacementsLeaveNoRest) {
   typename TestFixture::Case pipeline;
   const auto state = pipeline.run(pipeline.wavy_design());
   const ProcessResult linear = this->result_of(this->linear_displacement(pipeline.setup.grid));
-  const PipelineState<Dim> moved{state.time, state.layers, linear};
+  const StageResults<Dim> moved{state.time, state.densities, linear};
   for (const auto& distortion : {this->displacement(pipeline, false), this->displacement(pipeline, true),
                                  this->flatness(pipeline, "top")}) {
     const double whole = distortion->values(moved)[0];
@@ -109,7 +109,7 @@ TYPED_TEST(DistortionFunctionalsTest, TheRestIsThatOfALinearFit) {
   const Grid<Dim>& grid = part.grid();
   const NodeSet& tip = pipeline.setup.node_sets.at("tip");
   const ProcessResult rough = this->result_of(this->rough_displacement(grid));
-  const PipelineState<Dim> moved{state.time, state.layers, rough};
+  const StageResults<Dim> moved{state.time, state.densities, rough};
 
   std::vector<double> member(static_cast<std::size_t>(grid.owned_nodes().count()), 0.0);
   for (const int node : tip.owned) member[node] = 1.0;
@@ -166,7 +166,7 @@ TYPED_TEST(DistortionFunctionalsTest, GradientsAgreeWithDifferences) {
     const Design design = pipeline.wavy_point(), direction = pipeline.direction_at(design);
     const auto state = pipeline.run(design);
     const auto functionals = responses.subspan(first);
-    const auto flat_values = [&](const PipelineState<TypeParam::value>& at) {
+    const auto flat_values = [&](const StageResults<TypeParam::value>& at) {
       std::vector<double> result;
       for (const auto& list : pipeline.pipeline.values(functionals, at))
         result.insert(result.end(), list.begin(), list.end());

@@ -33,13 +33,13 @@ class MachineLimitsTest : public testing::Test {
     return test::whole_part_field<dim>(pipeline.setup.part, field);
   }
   /// Regularized direction of grad t at each element of the grid.
-  static std::vector<Point<dim>> directions(const Case& pipeline, const PipelineState<dim>& state) {
+  static std::vector<Point<dim>> directions(const Case& pipeline, const StageResults<dim>& state) {
     std::vector<Point<dim>> result;
     std::vector<std::vector<double>> components;
     for (int axis = 0; axis < dim; ++axis) {
       std::vector<double> component;
-      for (std::size_t e = 0; e * dim < state.time.gradient.size(); ++e)
-        component.push_back(state.time.gradient[e * dim + axis]);
+      for (std::size_t e = 0; e * dim < state.time->gradient.size(); ++e)
+        component.push_back(state.time->gradient[e * dim + axis]);
       components.push_back(whole(pipeline, component));
     }
     const double regularization = gradient_regularization(pipeline.setup.characteristic_length);
@@ -91,9 +91,10 @@ TYPED_TEST(MachineLimitsTest, LocalThicknessCountsThickAndThin) {
   for (std::size_t e = 0; e < pipeline.setup.part.part_density().size(); ++e) {
     double square = regularization, duration = 0.0;
     for (int axis = 0; axis < this->dim; ++axis)
-      square += std::pow(state.time.gradient[e * this->dim + axis], 2);
-    for (int j = 0; j < state.layers.count(); ++j)
-      duration += state.layers.layer[j][e] * (state.layers.time_points[j + 1] - state.layers.time_points[j]);
+      square += std::pow(state.time->gradient[e * this->dim + axis], 2);
+    for (int j = 0; j < state.densities->count(); ++j)
+      duration += state.densities->layer[j][e] *
+                  (state.densities->time_points[j + 1] - state.densities->time_points[j]);
     thickness.push_back(duration / pipeline.setup.part.part_density()[e] / std::sqrt(square));
   }
   const auto all = this->whole(pipeline, thickness);
@@ -163,7 +164,7 @@ TYPED_TEST(MachineLimitsTest, ClearanceCountsWhatStandsInTheTorch) {
         this->limit(pipeline, R"({"type": "tool_clearance", "samples": 30, "delay": 0.3, "sharpness": 0.2})")
             ->values(state)[0];
     const auto density = this->density(pipeline);
-    auto time = this->whole(pipeline, state.time.time), standing = density;
+    auto time = this->whole(pipeline, state.time->time), standing = density;
     std::vector<double> substrate(pipeline.setup.part.substrate().elements().begin(),
                                   pipeline.setup.part.substrate().elements().end());
     substrate = test::whole_element_field<Dim>(pipeline.setup.grid, substrate);
@@ -178,8 +179,8 @@ TYPED_TEST(MachineLimitsTest, ClearanceCountsWhatStandsInTheTorch) {
       for (double& entry : axis) entry /= length;
       std::fill(axes.begin(), axes.end(), axis);
     }
-    const double expected = clearance<Dim>(pipeline.setup.grid, tool, 30, 1.0 / state.layers.count(), density,
-                                           time, standing, axes) *
+    const double expected = clearance<Dim>(pipeline.setup.grid, tool, 30, 1.0 / state.densities->count(),
+                                           density, time, standing, axes) *
                             this->part_share(pipeline);
     EXPECT_GT(value, 1e-3);
     EXPECT_NEAR(value, expected, 1e-10 * value) << fixed;

@@ -20,7 +20,7 @@ std::vector<double> flat(const std::vector<std::vector<double>>& values) {
 }
 
 template <int Dim>
-void expect_formulas(test::PipelineCase<Dim>& pipeline, const PipelineState<Dim>& state) {
+void expect_formulas(test::PipelineCase<Dim>& pipeline, const StageResults<Dim>& state) {
   const auto expected = test::Formulas<Dim>(pipeline, state).values();
   const auto values = pipeline.pipeline.values(pipeline.problem.responses(), state);
   ASSERT_EQ(values.size(), expected.size());
@@ -33,7 +33,7 @@ template <int Dim>
 void expect_exact_gradients(test::PipelineCase<Dim>& pipeline, const Design& design,
                             const Design& direction) {
   const auto& responses = pipeline.problem.responses();
-  const auto values = [&](const PipelineState<Dim>& state) {
+  const auto values = [&](const StageResults<Dim>& state) {
     return pipeline.pipeline.values(responses, state);
   };
   const auto state = pipeline.run(design);
@@ -125,7 +125,7 @@ TYPED_TEST(ResponsesTest, ValuesFollowTheFormulasForEmptyLayers) {
   test::PipelineCase<TypeParam::value> pipeline(Settings{{"layers.count", "20"}});
   const auto state = pipeline.pipeline.run({pipeline.wavy_design(), {}}, 1.0, true);
   int empty = 0;
-  for (const auto& layer : state.layers.layer)
+  for (const auto& layer : state.densities->layer)
     empty += max(PETSC_COMM_WORLD, test::largest(layer)) == 0.0 ? 1 : 0;
   EXPECT_GT(empty, 0);
   expect_formulas(pipeline, state);
@@ -171,7 +171,7 @@ TYPED_TEST(ResponsesTest, GradientsOfTimesOfElementsAgreeWithDifferences) {
 TYPED_TEST(ResponsesTest, ValuesFollowTheFormulasAtVariableTimePoints) {
   test::PipelineCase<TypeParam::value> pipeline(Settings{{"layers.time_points", "variable"}});
   const auto state = pipeline.run(pipeline.wavy_point());
-  EXPECT_NE(state.layers.time_points[1], 0.25);
+  EXPECT_NE(state.densities->time_points[1], 0.25);
   expect_formulas(pipeline, state);
 }
 
@@ -184,8 +184,8 @@ TYPED_TEST(ResponsesTest, LeastVolumeIsAShareOfThePart) {
   const Part<TypeParam::value>& part = pipeline.setup.part;
   double worst = -1.0;
   for (int j = 0; j < 4; ++j) {
-    const std::vector<double> ones(state.layers.layer[j].size(), 1.0);
-    const double volume = test::dot(state.layers.layer[j], ones) * part.grid().element_volume();
+    const std::vector<double> ones(state.densities->layer[j].size(), 1.0);
+    const double volume = test::dot(state.densities->layer[j], ones) * part.grid().element_volume();
     EXPECT_NEAR(values.constraints[0][j], 0.15 * part.volume() - volume, 1e-12);
     worst = std::max(worst, 1.0 - volume / (0.15 * part.volume()));
   }
@@ -241,7 +241,7 @@ TYPED_TEST(ResponsesTest, SmallLayersFadeOutOfTheThicknessConstraint) {
   test::PipelineCase<Dim> plain, fading(Settings{{"constraints.0.least_volume", "0.99"}});
   const auto state = plain.run(plain.wavy_design());
   const auto thickness = plain.pipeline.values(plain.problem.responses(), state)[6];
-  const auto layers = layer_statistics(plain.setup.context(), state.time, state.layers);
+  const auto layers = layer_statistics(plain.setup.context(), *state.time, *state.densities);
   const double whole = 0.99 * plain.setup.part.volume() / 4;
   const auto faded = fading.pipeline.values(fading.problem.responses(), fading.run(fading.wavy_design()))[6];
   int small = 0;
@@ -265,13 +265,13 @@ TYPED_TEST(ResponsesTest, NothingIsLaterThanTheLastWholeLayer) {
   test::PipelineCase<Dim> pipeline(settings);
   const Design design = pipeline.wavy_point();
   const auto state = pipeline.run(design);
-  const auto layers = layer_statistics(pipeline.setup.context(), state.time, state.layers);
+  const auto layers = layer_statistics(pipeline.setup.context(), *state.time, *state.densities);
   int last = 4;
   while (layers[last - 1].volume < 0.9 * pipeline.setup.part.volume() / 4) --last;
   ASSERT_LT(last, 4);
   double total = 0.0;
-  for (const double time : state.time.time)
-    total += std::pow(std::max(0.0, 4 * (time - state.layers.time_points[last]) + 0.25), 8);
+  for (const double time : state.time->time)
+    total += std::pow(std::max(0.0, 4 * (time - state.densities->time_points[last]) + 0.25), 8);
   const double expected = std::pow(sum(PETSC_COMM_WORLD, total), 0.125);
   EXPECT_GT(expected, 0.25);
   EXPECT_NEAR(pipeline.pipeline.values(pipeline.problem.responses(), state)[6][0], expected, 1e-9);

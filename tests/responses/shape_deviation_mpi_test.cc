@@ -24,14 +24,14 @@ class ShapeDeviationTest : public testing::Test {
         R"({"type": "distortion", "measure": "shape", "nodes": "skin", "fit": )" + fit + "}";
     return test::make_response<dim>(TermList::objective, term, pipeline.setup.context());
   }
-  static std::vector<double> values(const Response<dim>& response, const PipelineState<dim>& state,
+  static std::vector<double> values(const Response<dim>& response, const StageResults<dim>& state,
                                     const std::vector<double>& displacement) {
     ProcessResult result;
     result.displacement = displacement;
-    return response.values({state.time, state.layers, result});
+    return response.values({state.time, state.densities, result});
   }
-  static double value(Case& pipeline, const PipelineState<dim>& state,
-                      const std::vector<double>& displacement, const std::string& fit) {
+  static double value(Case& pipeline, const StageResults<dim>& state, const std::vector<double>& displacement,
+                      const std::string& fit) {
     return values(*shape(pipeline, fit), state, displacement)[0];
   }
   /// A displacement by place, [owned node][component].

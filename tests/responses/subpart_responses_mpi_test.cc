@@ -35,7 +35,7 @@ struct Case {
   }
   const Part<Dim>& part() const { return on_grid.part; }
   ResponseContext<Dim> context() const { return {part(), node_sets, 1.0, {}, subparts}; }
-  PipelineState<Dim> state() const { return {time, layers, process}; }
+  StageResults<Dim> state() const { return {time, layers, process}; }
 
   test::PartOnGrid<Dim> on_grid{test::odd_domain<Dim>(), test::gallows<Dim>()};
   std::map<std::string, NodeSet> node_sets;
@@ -70,7 +70,7 @@ TYPED_TEST(SubpartResponsesTest, VolumeIsThatOverAnEqualShare) {
     for (const double density : c.layers.sub_parts.density[i]) mean += density;
     mean = sum(PETSC_COMM_WORLD, mean) / static_cast<double>(c.part().count());
     EXPECT_NEAR(values[i], subparts * mean - 1.0, 1e-12);
-    PipelineAdjoint<TypeParam::value> adjoint(4);
+    StageDerivatives<TypeParam::value> adjoint(4);
     response->add_derivative(i, 0.7, c.state(), adjoint);
     for (int k = 0; k < subparts; ++k)
       for (const double derivative : adjoint.densities.sub_part[k])
@@ -125,7 +125,7 @@ TYPED_TEST(SubpartResponsesTest, AlignmentDerivativeAgreesWithDifferences) {
   constexpr int Dim = TypeParam::value;
   Case<Dim> c;
   const auto response = segmentation_alignment(c, 0.2);
-  PipelineAdjoint<Dim> adjoint(4);
+  StageDerivatives<Dim> adjoint(4);
   response->add_derivative(0, 0.7, c.state(), adjoint);
   const auto check = [&](std::vector<double>& values, const std::vector<double>& derivative,
                          bool distributed) {

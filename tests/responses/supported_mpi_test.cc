@@ -62,8 +62,8 @@ class SupportedTest : public testing::Test {
   static double exact_share(Case& pipeline, const Design& design) {
     const auto state = pipeline.pipeline.run(design, pipeline.setup.layers->traits().first_beta, true);
     const auto layers = pipeline.setup.layers->make(design.layer_variables, 1.0, true, {});
-    const std::vector<double> index = layers->layer_index(state.time.time, state.layers);
-    const std::vector<double> direction = build_direction<dim>(state.time.gradient, state.layers, index);
+    const std::vector<double> index = layers->layer_index(state.time->time, *state.densities);
+    const std::vector<double> direction = build_direction<dim>(state.time->gradient, *state.densities, index);
     const std::vector<double> marks =
         hanging_elements<dim>(pipeline.setup.part, direction, index, pipeline.config.tool.bead_width);
     double count = 0.0;
@@ -75,7 +75,7 @@ TYPED_TEST_SUITE(SupportedTest, test::Dimensions);
 
 /// The formula, over all pairs of elements of the grid and those below the plate.
 template <int Dim>
-double count_of(const Setup<Dim>& setup, const PipelineState<Dim>& state, double bead_width,
+double count_of(const Setup<Dim>& setup, const StageResults<Dim>& state, double bead_width,
                 double sharpness) {
   const Grid<Dim>& grid = setup.grid;
   const auto whole = [&](const std::vector<double>& field) {
@@ -85,19 +85,19 @@ double count_of(const Setup<Dim>& setup, const PipelineState<Dim>& state, double
   const auto substrate =
       test::whole_element_field<Dim>(grid, std::vector<double>(setup.part.substrate().elements().begin(),
                                                                setup.part.substrate().elements().end()));
-  const auto time = whole(state.time.time);
+  const auto time = whole(state.time->time);
   std::vector<std::vector<double>> gradient;
   for (int axis = 0; axis < Dim; ++axis) {
     std::vector<double> component;
-    for (std::size_t e = 0; e < state.time.time.size(); ++e)
-      component.push_back(state.time.gradient[e * Dim + axis]);
+    for (std::size_t e = 0; e < state.time->time.size(); ++e)
+      component.push_back(state.time->gradient[e * Dim + axis]);
     gradient.push_back(whole(component));
   }
   const Point<Dim>& h = grid.spacing();
   const double least = *std::min_element(h.begin(), h.end()), diagonal = std::sqrt(dot(h, h));
   const double width = bead_width > 0.0 ? bead_width : 2.0 * grid.largest_spacing();
   const double radius = std::max(0.5 * width, 0.5 * diagonal);
-  const SubParts& sub_parts = state.layers.sub_parts;
+  const SubParts& sub_parts = state.densities->sub_parts;
   const int parts = std::max(1, sub_parts.count());
 
   IndexBox<Dim> around = grid.all_elements();  // with what lies below the plate

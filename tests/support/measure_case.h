@@ -46,14 +46,14 @@ struct MeasureCase {
   double value(const Response<Dim>& response, const std::vector<double>& displacement,
                const std::vector<double>& release = {}) const {
     const ProcessResult result = result_of(displacement, release);
-    return response.values({state.time, state.layers, result}).at(0);
+    return response.values({state.time, state.densities, result}).at(0);
   }
   /// Derivatives with respect to the displacement and to that of the release.
   ProcessAdjoint derivative(const Response<Dim>& response, const std::vector<double>& displacement,
                             const std::vector<double>& release = {}) const {
     const ProcessResult result = result_of(displacement, release);
-    PipelineAdjoint<Dim> adjoint(state.layers.count());
-    response.add_derivative(0, 1.0, {state.time, state.layers, result}, adjoint);
+    StageDerivatives<Dim> adjoint(state.densities->count());
+    response.add_derivative(0, 1.0, {state.time, state.densities, result}, adjoint);
     return std::move(adjoint.process);
   }
   /// The derivative in a direction less the central difference, relative to that.
@@ -68,7 +68,7 @@ struct MeasureCase {
   }
 
   PipelineCase<Dim> pipeline;
-  PipelineState<Dim> state;
+  StageResults<Dim> state;
 
  private:
   static ProcessResult result_of(const std::vector<double>& displacement,

@@ -95,10 +95,10 @@ struct PipelineCase {
         pipeline(setup, 1e-13, timer),
         problem(setup, config.optimizer.constraint_margin) {}
 
-  PipelineState<Dim> run(const Design& design) {
+  StageResults<Dim> run(const Design& design) {
     return pipeline.run(design, setup.layers->traits().first_beta, false);
   }
-  PipelineState<Dim> run(const std::vector<double>& field) { return run(Design{field, {}}); }
+  StageResults<Dim> run(const std::vector<double>& field) { return run(Design{field, {}}); }
   std::vector<double> wavy_design() const {
     std::vector<double> result = noise_of_variables(0.05, 0.9, 0);
     if (!setup.start) return result;

@@ -15,31 +15,31 @@ namespace fabseq::test {
 /// Results of a pipeline on the whole grid, and the responses by formula.
 template <int Dim>
 struct Formulas {
-  Formulas(const PipelineCase<Dim>& pipeline, const PipelineState<Dim>& state)
+  Formulas(const PipelineCase<Dim>& pipeline, const StageResults<Dim>& state)
       : grid(pipeline.setup.grid),
         corner(pipeline.setup.part.upper()),
-        time_points(state.layers.time_points) {
+        time_points(state.densities->time_points) {
     const Part<Dim>& part = pipeline.setup.part;
     const double length = 1.3;  // of the config
     const auto inside = whole_part_field(part, std::vector<double>(part.elements().size(), 1.0));
     density = whole_element_field<Dim>(grid, part.density());
-    displacement = whole_node_field<Dim>(grid, state.process.displacement, Dim);
-    for (std::size_t block = 0; block < state.process.increments.size(); ++block)
-      for (int lane = 0; lane < state.process.increments[block].lanes; ++lane) {
-        std::vector<double> counted(state.process.displacement.size());
-        for (std::size_t i = 0; i < state.process.increments[block].unknowns(); ++i)
-          counted[state.process.in_field(block, i, Dim)] = state.process.counted(block, i, lane);
+    displacement = whole_node_field<Dim>(grid, state.process->displacement, Dim);
+    for (std::size_t block = 0; block < state.process->increments.size(); ++block)
+      for (int lane = 0; lane < state.process->increments[block].lanes; ++lane) {
+        std::vector<double> counted(state.process->displacement.size());
+        for (std::size_t i = 0; i < state.process->increments[block].unknowns(); ++i)
+          counted[state.process->in_field(block, i, Dim)] = state.process->counted(block, i, lane);
         increments.push_back(whole_node_field<Dim>(grid, counted, Dim));
       }
-    for (const auto& stage : state.layers.stage) stages.push_back(whole_part_field(part, stage));
-    for (const auto& layer : state.layers.layer) {
+    for (const auto& stage : state.densities->stage) stages.push_back(whole_part_field(part, stage));
+    for (const auto& layer : state.densities->layer) {
       weights.push_back(whole_part_field(part, layer));
       for (std::size_t e = 0; e < inside.size(); ++e) weights.back()[e] += inside[e] * 1e-9;
     }
     std::vector<double> magnitude(part.elements().size());
     for (std::size_t e = 0; e < magnitude.size(); ++e) {
       double square = 1e-9 / (length * length);
-      for (int a = 0; a < Dim; ++a) square += std::pow(state.time.gradient[e * Dim + a], 2);
+      for (int a = 0; a < Dim; ++a) square += std::pow(state.time->gradient[e * Dim + a], 2);
       magnitude[e] = std::sqrt(square);
     }
     magnitudes = whole_part_field(part, magnitude);

@@ -7,8 +7,9 @@
 #include "fabseq/chain/design.h"
 #include "fabseq/layers/density_sink.h"
 #include "fabseq/model/model.h"
-#include "fabseq/responses/pipeline_state.h"
 #include "fabseq/responses/response.h"
+#include "fabseq/responses/stage_derivatives.h"
+#include "fabseq/responses/stage_results.h"
 
 #include <deque>
 #include <memory>
@@ -35,19 +36,20 @@ std::vector<GradientRow> all_components(const std::vector<std::vector<double>>& 
 /// A row on its way back.
 template <int Dim>
 struct AdjointRow {
-  AdjointRow(const GradientRow& terms_, const Layers& layers, const PipelineState<Dim>& state,
+  AdjointRow(const GradientRow& terms_, const Layers& layers, const StageResults<Dim>& state,
              std::size_t variables)
       : terms(terms_),
-        adjoint(state.layers.count()),
+        adjoint(state.densities->count()),
         layer_variables(variables, 0.0),
-        sink(layers, state.time.time, state.layers, adjoint.densities, adjoint.time.time, layer_variables) {}
+        sink(layers, state.time->time, *state.densities, adjoint.densities, adjoint.time.time,
+             layer_variables) {}
   AdjointRow(AdjointRow&&) = delete;  // the sink refers to its members
 
   const GradientRow& terms;
   int owner = 0;        ///< group whose row it is
   bool own = false;     ///< whether that is this group
   bool shared = false;  ///< uses displacements: every group has a part of it
-  PipelineAdjoint<Dim> adjoint;
+  StageDerivatives<Dim> adjoint;
   std::vector<double> layer_variables;  ///< dJ/d(these), this rank's part
   DensitySink sink;                     ///< takes adjoint.densities
   std::vector<double> field;            ///< dJ/d(design's field), in the owner's group
@@ -65,7 +67,7 @@ class AdjointRows {
  public:
   /// Local. All arguments must outlive the object. `variables`: number of the layers' variables.
   AdjointRows(const Model<Dim>& model, PhaseTimer& timer, Responses<Dim> responses,
-              const PipelineState<Dim>& state, const Layers& layers, const std::vector<GradientRow>& rows,
+              const StageResults<Dim>& state, const Layers& layers, const std::vector<GradientRow>& rows,
               std::size_t variables);
 
   /// Rows that use displacements, of which all groups have parts. Local.
@@ -90,7 +92,7 @@ class AdjointRows {
   const Model<Dim>& model_;
   PhaseTimer& timer_;
   Responses<Dim> responses_;
-  const PipelineState<Dim>& state_;
+  const StageResults<Dim>& state_;
   std::deque<AdjointRow<Dim>> rows_;
 };
 

@@ -44,18 +44,18 @@ class Pipeline {
 
   /// Evaluates the stages for a design; `beta` and `binary` are those of LayerModel::make(). The state refers
   /// to results that stay valid until the next run.
-  PipelineState<Dim> run(const Design& design, double beta, bool binary);
+  StageResults<Dim> run(const Design& design, double beta, bool binary);
   /// Pseudo-time of the last run, also of one whose process simulation failed; nullptr if it did not get
   /// there.
-  const PseudoTime<Dim>* last_time() const { return results_.time; }
+  const PseudoTime<Dim>* last_time() const { return results_.time ? &*results_.time : nullptr; }
   /// Number of the layer of each part element in the last run that has a pseudo-time (Layers::layer_index()).
   std::vector<double> last_layer_index() const {
     return results_.layers->layer_index(results_.time->time, *results_.densities);
   }
   /// Values of all components of each of `responses`.
-  std::vector<std::vector<double>> values(Responses<Dim> responses, const PipelineState<Dim>& state);
+  std::vector<std::vector<double>> values(Responses<Dim> responses, const StageResults<Dim>& state);
   /// Gradients of several rows with respect to the design of the last run.
-  std::vector<Design> gradients(Responses<Dim> responses, const PipelineState<Dim>& state,
+  std::vector<Design> gradients(Responses<Dim> responses, const StageResults<Dim>& state,
                                 const std::vector<GradientRow>& rows);
   /// Gives back the memory of the solvers and of the last run's layers, which gradients and reports need. Not
   /// collective.
@@ -77,8 +77,8 @@ class Pipeline {
 
  private:
   /// Takes rows back through the stages, last to first: those of the owner, or all others.
-  void pull_back(const PipelineState<Dim>& state, AdjointRowSpan<Dim> rows, bool of_owner);
-  void pull_back_own(const PipelineState<Dim>& state, AdjointRows<Dim>& adjoints);
+  void pull_back(const StageResults<Dim>& state, AdjointRowSpan<Dim> rows, bool of_owner);
+  void pull_back_own(const StageResults<Dim>& state, AdjointRows<Dim>& adjoints);
 
   const Model<Dim>& model_;
   PhaseTimer& timer_;

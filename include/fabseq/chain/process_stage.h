@@ -2,6 +2,7 @@
 #pragma once
 
 #include "fabseq/chain/stage.h"
+#include "fabseq/process/elastic_process.h"
 
 #include <vector>
 
@@ -16,7 +17,7 @@ class ProcessStage : public Stage<Dim> {
   ElasticProcess<Dim>& process() { return process_; }
 
   void forward(const StageInput& input, StageResults<Dim>& results) override;
-  void pull_back(const PipelineState<Dim>& state, const SolveTolerance& tolerance,
+  void pull_back(const StageResults<Dim>& state, const SolveTolerance& tolerance,
                  AdjointRowSpan<Dim> rows) override;
   Phase phase() const override { return Phase::primal; }
   Phase adjoint_phase() const override { return Phase::adjoint; }

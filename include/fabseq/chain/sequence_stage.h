@@ -18,7 +18,7 @@ class SequenceStage : public Stage<Dim> {
   Sequence<Dim>& sequence() { return *sequence_; }
 
   void forward(const StageInput& input, StageResults<Dim>& results) override;
-  void pull_back(const PipelineState<Dim>& state, const SolveTolerance& tolerance,
+  void pull_back(const StageResults<Dim>& state, const SolveTolerance& tolerance,
                  AdjointRowSpan<Dim> rows) override;
   bool runs_in_owner_group() const override { return true; }
   Phase phase() const override { return Phase::heat; }

@@ -10,10 +10,12 @@
 #include "fabseq/files/checkpoint_state.h"
 #include "fabseq/model/model.h"
 #include "fabseq/model/stage_cost.h"
-#include "fabseq/responses/pipeline_state.h"
+#include "fabseq/responses/stage_derivatives.h"
+#include "fabseq/responses/stage_results.h"
 #include "fabseq/sequence/sequence.h"
 #include "fabseq/solve/solve_tolerance.h"
 
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <utility>
@@ -28,17 +30,6 @@ struct StageInput {
   bool binary;               ///< sharp layers
   SolveTolerance tolerance;  ///< of a run's solves
   SolverRegion region;       ///< elements of elastic and thermal systems
-};
-
-/// What the stages of a chain have made so far for one design.
-template <int Dim>
-struct StageResults {
-  const PseudoTime<Dim>* time = nullptr;
-  const Layers* layers = nullptr;
-  const LayerDensities* densities = nullptr;
-  const LayerTemperatures* temperatures = nullptr;  ///< null without a block `thermal`
-  const StrainSource<Dim>* strains = nullptr;
-  const ProcessResult* process = nullptr;
 };
 
 /// Solver iterations of the last run and of the last gradients.
@@ -59,7 +50,7 @@ class Stage {
   /// Applies the transposed Jacobian: maps each row's derivatives with respect to this stage's results to
   /// derivatives with respect to its inputs, and adds them. Solves go to `tolerance`. Rows that are not
   /// shared have none with respect to the process or the strains.
-  virtual void pull_back(const PipelineState<Dim>& state, const SolveTolerance& tolerance,
+  virtual void pull_back(const StageResults<Dim>& state, const SolveTolerance& tolerance,
                          AdjointRowSpan<Dim> rows) = 0;
   /// Whether a row goes back through the stage in its owner's group alone: pull_back() is then collective on
   /// the grid's communicator. Such stages come first.
@@ -87,11 +78,26 @@ struct StageContext {
   std::unique_ptr<Sequence<Dim>> sequence;  ///< becomes the stage's; null: the one that the model asks for
 };
 
-/// What is known of a type of stage. Names of results: design, time, layers, temperatures, strains, process,
-/// and what new stages make.
+/// A result of a stage, told by the member of StageResults that holds it.
+class ResultName {
+ public:
+  template <class Result>
+  ResultName(
+      StageResult<Result> StageResults<3>::*member) {  // NOLINT(google-explicit-constructor): a list of them
+    const StageResults<3> any;
+    place_ = reinterpret_cast<const char*>(&(any.*member)) - reinterpret_cast<const char*>(&any);
+  }
+  bool operator==(const ResultName&) const = default;
+
+ private:
+  std::ptrdiff_t place_;
+};
+using Results = StageResults<3>;  ///< for the names of results, the same in 2D
+
+/// What is known of a type of stage.
 struct StageTraits {
   std::string name;
-  std::vector<std::string> reads, makes;
+  std::vector<ResultName> reads, makes;
 };
 
 /// A type of stage.

@@ -72,9 +72,9 @@ class Problem {
 
   /// Values at a state of the pipeline; the first call fixes the factors of terms scaled by `first`.
   /// Collective.
-  ProblemValues evaluate(Pipeline<Dim>& pipeline, const PipelineState<Dim>& state);
+  ProblemValues evaluate(Pipeline<Dim>& pipeline, const StageResults<Dim>& state);
   /// Gradients at the state of the last evaluate(). Collective.
-  ProblemGradients gradients(Pipeline<Dim>& pipeline, const PipelineState<Dim>& state,
+  ProblemGradients gradients(Pipeline<Dim>& pipeline, const StageResults<Dim>& state,
                              const ProblemValues& values) const;
 
   /// Whether any constraint has a limit that adapts.

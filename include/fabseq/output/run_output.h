@@ -36,7 +36,7 @@ class RunOutput {
   /// One iteration: history, progress line, and a field dump when it is due or a file `output_now` asks for
   /// it.
   void iteration(const Iterate& iterate, const StepReport& step, Pipeline<Dim>& pipeline,
-                 const PipelineState<Dim>& state, const Design& design);
+                 const StageResults<Dim>& state, const Design& design);
   /// Keeps the state between two iterations; returns whether a checkpoint was written (Checkpoints::keep()).
   bool keep(const RunState<Dim>& run, const Pipeline<Dim>& pipeline);
   /// result.h5, result.xdmf and summary.json, and the table on the screen.

@@ -90,17 +90,17 @@ BuildReport check_layers(const Model<Dim>& model, const PseudoTime<Dim>& time, c
 /// 13.1). Collective.
 template <int Dim>
 BuildReport check_build(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
-                        const PipelineState<Dim>& state);
+                        const StageResults<Dim>& state);
 
 /// The same with the places at which they fail. Collective.
 template <int Dim>
 BuildReport check_places(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
-                         const PipelineState<Dim>& state);
+                         const StageResults<Dim>& state);
 
 /// The same with build time, wire and stress. `used_layers`: those with more than a trace of the volume.
 /// Collective.
 template <int Dim>
 BuildReport report_build(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
-                         const PipelineState<Dim>& state, int used_layers);
+                         const StageResults<Dim>& state, int used_layers);
 
 }  // namespace fabseq

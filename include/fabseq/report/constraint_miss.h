@@ -36,7 +36,7 @@ struct ConstraintMiss {
 /// have an exact check. `with_places`: BeyondLimits::places is looked for, else 0. Collective.
 template <int Dim>
 std::optional<BeyondLimits> beyond_limits(const Model<Dim>& model, const Problem<Dim>& problem,
-                                          const Pipeline<Dim>& pipeline, const PipelineState<Dim>& state,
+                                          const Pipeline<Dim>& pipeline, const StageResults<Dim>& state,
                                           bool with_places);
 
 /// None if all constraints hold; limits that adapt are left to the exact checks. `values`: of

@@ -52,7 +52,7 @@ struct FinishedShape {
 /// The finished part of a pipeline's last run, with one solve for the release. Collective.
 template <int Dim>
 FinishedShape finished_shape(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
-                             const PipelineState<Dim>& state);
+                             const StageResults<Dim>& state);
 
 /// Sizes of a displacement, [owned node][component]. Collective.
 template <int Dim>

@@ -89,7 +89,7 @@ void add_displacements(FieldSet<Dim>& fields, const SequenceReport& report, cons
 /// the release. Collective.
 template <int Dim>
 SequenceReport report_sequence(const Model<Dim>& model, const Problem<Dim>& problem, Pipeline<Dim>& pipeline,
-                               const PipelineState<Dim>& state, bool with_shape = true);
+                               const StageResults<Dim>& state, bool with_shape = true);
 
 /// What elements took up in a pipeline's last run. Not collective.
 template <int Dim>
@@ -100,6 +100,6 @@ BuiltStrain strain_when_built(const Pipeline<Dim>& pipeline) {
 /// What both deposition models make of a pipeline's last run. Collective.
 template <int Dim>
 BothDepositions report_depositions(const Model<Dim>& model, const Problem<Dim>& problem,
-                                   Pipeline<Dim>& pipeline, const PipelineState<Dim>& state);
+                                   Pipeline<Dim>& pipeline, const StageResults<Dim>& state);
 
 }  // namespace fabseq

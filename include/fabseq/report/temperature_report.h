@@ -39,6 +39,6 @@ struct TemperatureReport {
 /// Collective.
 template <int Dim>
 TemperatureReport report_temperature(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
-                                     const PipelineState<Dim>& state, bool with_pauses);
+                                     const StageResults<Dim>& state, bool with_pauses);
 
 }  // namespace fabseq

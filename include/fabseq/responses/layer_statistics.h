@@ -48,7 +48,7 @@ LayerStatistics layer_mean(const Grid<Dim>& grid, const LayerDensities& layers, 
 /// Adds the derivative with respect to grad t that follows from `d_magnitude`, dJ/dM_e (a part field), to
 /// `adjoint`. `magnitude`: M_e. Local.
 template <int Dim>
-void add_magnitude_derivative(const PipelineState<Dim>& state, const std::vector<double>& magnitude,
-                              const std::vector<double>& d_magnitude, PipelineAdjoint<Dim>& adjoint);
+void add_magnitude_derivative(const StageResults<Dim>& state, const std::vector<double>& magnitude,
+                              const std::vector<double>& d_magnitude, StageDerivatives<Dim>& adjoint);
 
 }  // namespace fabseq

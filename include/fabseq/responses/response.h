@@ -7,7 +7,8 @@
 #include "fabseq/machine/tool_settings.h"
 #include "fabseq/part/node_set.h"
 #include "fabseq/process/build_clock.h"
-#include "fabseq/responses/pipeline_state.h"
+#include "fabseq/responses/stage_derivatives.h"
+#include "fabseq/responses/stage_results.h"
 #include "fabseq/responses/term.h"
 #include "fabseq/sequence/sequence.h"
 #include "fabseq/thermal/thermal_settings.h"
@@ -91,11 +92,11 @@ class Response {
   /// 0: values that depend on displacements are squares of lengths, others have no rounding. Not collective.
   virtual double size() const { return 0.0; }
   /// Raw values, one per component.
-  virtual std::vector<double> values(const PipelineState<Dim>& state) const = 0;
+  virtual std::vector<double> values(const StageResults<Dim>& state) const = 0;
   /// Adds weight * d(value of the component) to the derivatives with respect to each stage's results that the
   /// component depends on.
-  virtual void add_derivative(int component, double weight, const PipelineState<Dim>& state,
-                              PipelineAdjoint<Dim>& adjoint) const = 0;
+  virtual void add_derivative(int component, double weight, const StageResults<Dim>& state,
+                              StageDerivatives<Dim>& adjoint) const = 0;
   /// The optimizer's rows for each component of a constraint. Allowed ranges are shrunk to `margin` times
   /// their width; margin 1 gives the user's constraint. Empty for responses that are objectives. Not
   /// collective.

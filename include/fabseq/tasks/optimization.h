@@ -46,7 +46,7 @@ std::optional<JudgedValues> judge_binary(const Setup<Dim>& setup, Pipeline<Dim>&
 /// next one (docs/formulation.md 13.2). Collective.
 template <int Dim>
 void adapt_limits(const Setup<Dim>& setup, RunState<Dim>& run, const Pipeline<Dim>& pipeline,
-                  const PipelineState<Dim>& state, const Iterate& iterate);
+                  const StageResults<Dim>& state, const Iterate& iterate);
 
 /// The results of a run that was not interrupted, and its sensitivity table, if that is asked for. What keeps
 /// the table from being made is a warning: the results are there.

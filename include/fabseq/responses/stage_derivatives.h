@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+/// \file
+/// What goes back through the stages of the pipeline.
+#pragma once
+
+#include "fabseq/layers/layers.h"
+#include "fabseq/parallel/layer_groups.h"
+#include "fabseq/process/process_adjoint.h"
+#include "fabseq/sequence/sequence.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace fabseq {
+
+/// How the derivatives of a row with respect to a stage's results are held. Rows that use displacements are
+/// begun by all groups alike, and each group adds what its steps lead to; the row's owner goes on alone. So
+/// each type has
+///   - drop(): forgets what groups other than the owner have begun with, unless all need it;
+///   - keep_once(): forgets what is the same on all ranks of a group, on ranks other than its first;
+///   - sum_at(): sums up the groups' parts at the owner. Collective on LayerGroups::across().
+
+/// dJ/du, dJ/dv and dJ/d(increments) for the strain as given, of whose increments each group has its own;
+/// empty while zero.
+struct ProcessFunctionals : ProcessAdjoint {
+  std::vector<ProcessAdjoint> combinations;  ///< the same for combinations of strain cases
+
+  void drop() {}
+  void keep_once() {}
+  void sum_at(const LayerGroups&, int) {}
+};
+
+/// With respect to the inputs of the strains (StrainSource), this rank's part of the sum over all ranks;
+/// empty while zero.
+struct StrainDerivatives {
+  std::vector<double> inputs;
+
+  void drop() { inputs.clear(); }
+  void keep_once() {}
+  void sum_at(const LayerGroups&, int) {}
+};
+
+/// With respect to the temperatures at which layers begin, [layer], this rank's part of the sum over all
+/// ranks; empty while zero.
+struct TemperatureDerivatives {
+  std::vector<double> interpass;
+
+  std::vector<double>& zeros_if_empty(int layers) {
+    return DensityDerivatives::zeros_if_empty(interpass, static_cast<std::size_t>(layers));
+  }
+  void drop() { interpass.clear(); }
+  void keep_once() { std::ranges::fill(interpass, 0.0); }
+  /// Leaves nothing in other groups than the owner.
+  void sum_at(const LayerGroups& groups, int owner) {
+    if (interpass.empty()) return;
+    groups.sum_at(owner, interpass);
+    if (groups.index() != owner) interpass.clear();
+  }
+};
+
+/// With respect to stage and layer densities, time points, sub-parts and directions. The layers take them
+/// from each group (DensitySink).
+struct LayerDerivatives : DensityDerivatives {
+  using DensityDerivatives::DensityDerivatives;
+  void drop() {
+    static_cast<DensityDerivatives&>(*this) = DensityDerivatives(static_cast<int>(stage.size()));
+  }
+  void keep_once() { time_points.clear(); }
+  void sum_at(const LayerGroups&, int) {}
+};
+
+/// With respect to t and grad t; empty while zero.
+struct SequenceDerivatives : TimeDerivatives {
+  bool gradient_in_parts = false;  ///< whether all groups have parts of that with respect to grad t
+
+  void drop() { static_cast<TimeDerivatives&>(*this) = {}; }
+  void keep_once() {}
+  void sum_at(const LayerGroups& groups, int owner) {
+    groups.sum_at(owner, time);
+    if (gradient_in_parts) groups.sum_at(owner, gradient);
+  }
+};
+
+/// Derivatives of one row (a weighted sum of response components) with respect to the result of each stage.
+/// Responses add theirs to it, and so does each stage to those of the stages before it.
+template <int Dim>
+struct StageDerivatives {
+  explicit StageDerivatives(int layers) : densities(layers) {}
+
+  ProcessFunctionals process;
+  StrainDerivatives strains;
+  TemperatureDerivatives temperatures;
+  LayerDerivatives densities;
+  SequenceDerivatives time;
+
+  /// Calls f(member) for each of them.
+  template <class Function>
+  void for_each(Function&& f) {
+    f(process);
+    f(strains);
+    f(temperatures);
+    f(densities);
+    f(time);
+  }
+};
+
+}  // namespace fabseq
