@@ -13,7 +13,7 @@ namespace fabseq {
 /// How a solver path goes through a block of layers.
 BlockSolver block_solver(SolverPath path);
 
-/// Whether solvers with so many lanes give their memory back between solves (docs/formulation.md 11).
+/// Whether solvers with so many lanes give their memory back between solves (docs/developer/lane-engine.md).
 bool saves_memory(int lanes);
 
 /// Sums over what the stages cost (StageCost). Measured on one core (docs/performance.md), good to a factor

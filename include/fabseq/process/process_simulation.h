@@ -24,8 +24,9 @@
 
 namespace fabseq {
 
-/// The layer-by-layer inherent-strain simulation and its adjoint (docs/formulation.md 4.1, 8). For each layer
-/// j: K_j du_j = f_j with the plate fixed, u = sum of du_j,
+/// The layer-by-layer inherent-strain simulation and its adjoint (docs/formulation.md 4.1,
+/// docs/developer/derivatives.md 8.2). For each layer j: K_j du_j = f_j with the plate fixed, u = sum of
+/// du_j,
 ///
 ///     K_j = sum_e E(rho_j,e) K_0,   f_j = sum_e (drho_j,e)^q int B^T C eps*.
 ///
