@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// The file history.jsonl of a run's directory: one JSON object per line (docs/reference.md, output, lists
+/// The file history.jsonl of a run's directory: one JSON object per line (docs/developer/files.md lists
 /// its keys). All calls are collective on the directory's communicator.
 #pragma once
 
