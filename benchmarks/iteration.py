@@ -7,9 +7,9 @@
 
 Each reference method has the tolerance that gives its displacement the same true error as the lanes' unless
 --reference-tolerance names one. Figures are medians over the repetitions, which run by turns, of medians over
-the iterations but the first (unless there is only one). docs/performance.md explains them. Beside them stand
-the cores, how busy they were before, and memory bandwidth (a triad, one core) before and after: compare
-figures of one run only.
+the iterations but the first (unless there is only one). docs/developer/measuring.md explains them. Beside
+them stand the cores, how busy they were before, and memory bandwidth (a triad, one core) before and after:
+compare figures of one run only.
 """
 import itertools
 import math

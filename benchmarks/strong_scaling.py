@@ -7,8 +7,8 @@
 
 A split GxD is G layer groups of D domain ranks each, on G D ranks. --ranks takes all splits of each number of
 ranks, with no more groups than layers. Figures are medians over the iterations after the warm-up, of all
-repetitions; these run by turns. docs/performance.md defines speed-up, efficiency and serial fraction (Karp
-and Flatt 1990); P0 and P are both in ranks there, so that a baseline of 4 ranks has an efficiency of 1.
+repetitions; these run by turns. docs/developer/measuring.md defines speed-up, efficiency and serial fraction
+(Karp and Flatt 1990); P0 and P are both in ranks there, so that a baseline of 4 ranks has an efficiency of 1.
 """
 import math
 import os

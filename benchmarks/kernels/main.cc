@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// Speed of the lane kernels beside the limits of the machine (docs/performance.md):
+/// Speed of the lane kernels beside the limits of the machine (docs/developer/measuring.md):
 ///
 ///     build/release/benchmarks/kernels [--elements=80] [options of Google Benchmark]
 ///

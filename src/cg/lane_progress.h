@@ -13,7 +13,7 @@
 namespace fabseq {
 
 /// Where the conjugate gradients of all lanes are, apart from their vectors, and which lanes go on
-/// (docs/formulation.md 11.3). The same on all ranks, but for `length`.
+/// (docs/developer/lane-engine.md 11.3). The same on all ranks, but for `length`.
 template <int Width>
 struct LaneProgress {
   using Scalars = LaneScalars<Width>;

@@ -31,7 +31,7 @@ std::vector<ProcessAdjoint> process_functionals(ProcessFunctionals& row, const P
   return result.linear() ? result.superposition->reduced(std::move(functionals)) : functionals;
 }
 
-/// What a path needs, measured (docs/performance.md).
+/// What a path needs, measured (docs/developer/measuring.md).
 struct PathCost {
   double bytes_per_unknown;    ///< of a system with its preconditioner; with lanes, per lane
   double seconds_per_unknown;  ///< of a solve on one core

@@ -10,8 +10,8 @@ namespace fabseq {
 
 namespace {
 
-/// Memory per node, measured (docs/performance.md): of the problem with a group's fields, and of its solver,
-/// per lane or, on the reference path, all in all.
+/// Memory per node, measured (docs/developer/measuring.md): of the problem with a group's fields, and of its
+/// solver, per lane or, on the reference path, all in all.
 constexpr double bytes_of_problem = 200.0, bytes_per_lane = 106.0, reference_bytes = 700.0;
 /// The forward solve, which one group does for all, in units of a full block of layers.
 constexpr double forward_work = 0.1;

@@ -132,7 +132,7 @@ double heaviest_range(const std::vector<double>& weights, const std::vector<int>
 /// split_evenly() at multiples of 4 or 2 if there are enough elements, and of up to `most`, a power of two,
 /// if that makes the heaviest range no more than 2 % heavier. Ranks that begin at an element of a coarse grid
 /// hold what their elements lie in there, and need send nothing to get to that grid
-/// (docs/formulation.md 11.2).
+/// (docs/developer/lane-engine.md 11.2).
 std::vector<int> split_on_coarse_grids(const std::vector<double>& weights, int parts, int most) {
   constexpr double worth = 1.02;
   const int count = static_cast<int>(weights.size());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// Stiff islands of a field, found in a graph of its basins (docs/formulation.md 11).
+/// Stiff islands of a field, found in a graph of its basins (docs/developer/lane-engine.md 11.2).
 #pragma once
 
 #include <array>

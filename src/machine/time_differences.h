@@ -10,9 +10,9 @@
 namespace fabseq {
 
 /// Fits a linear function to the times of the part elements around each one, which gives grad t where a
-/// sequence has none (docs/formulation.md 13.1). Elements count that are joined to it by faces within `reach`
-/// elements along each axis, the near ones most. Construction is collective on the grid's communicator.
-/// The part must outlive the object.
+/// sequence has none (docs/developer/numerics.md 13.1). Elements count that are joined to it by faces within
+/// `reach` elements along each axis, the near ones most. Construction is collective on the grid's
+/// communicator. The part must outlive the object.
 template <int Dim>
 class TimeDifferences {
  public:

@@ -65,11 +65,12 @@ struct MmaSums {
 
 /// The distributed half of the MMA subproblem: its variables as functions of the rows' multipliers.
 ///
-/// The approximation of row i around x_k (docs/formulation.md 9): with a = U w v / (U - v), b = L w v / (L +
-/// v), g_i(v) = f_i + sum_j df_ij e_j(v_j) + (0.501 |df_ij| + curvature_j) h_j(v_j), e = (a + b) / 2, h = a -
-/// b, which is Svanberg's sum of p / (upp - x) + q / (x - low) with p = (upp - x_k)^2 (1.001 df+ + 0.001 df-
-/// + curvature), q alike. So the rows enter a variable's equation only through S = sum_i lambda_i df_ij and
-/// T = sum_i lambda_i (0.501 |df_ij| + curvature_j), the objective with lambda = 1, and no p or q is stored.
+/// The approximation of row i around x_k (docs/developer/optimizer.md 9.1): with a = U w v / (U - v), b = L w
+/// v / (L + v), g_i(v) = f_i + sum_j df_ij e_j(v_j) + (0.501 |df_ij| + curvature_j) h_j(v_j), e = (a + b) /
+/// 2, h = a - b, which is Svanberg's sum of p / (upp - x) + q / (x - low) with p = (upp - x_k)^2 (1.001 df+ +
+/// 0.001 df- + curvature), q alike. So the rows enter a variable's equation only through S = sum_i lambda_i
+/// df_ij and T = sum_i lambda_i (0.501 |df_ij| + curvature_j), the objective with lambda = 1, and no p or q
+/// is stored.
 ///
 /// The bounds enter through a barrier in h, -barrier w log(4 (v - alpha) (beta - v)). As every row brings the
 /// barrier in proportion to its gradient, v depends only on S / T, however large the multipliers become, and

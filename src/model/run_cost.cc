@@ -19,7 +19,7 @@ namespace {
 constexpr double bytes_per_rank = 8e7;
 
 /// What the first doubling of a group's ranks, and each further one, adds to its time: two ranks are 1.6
-/// times as fast as one, four 2.4 times (docs/performance.md).
+/// times as fast as one, four 2.4 times (docs/developer/measuring.md).
 constexpr double overhead_of_the_first_doubling = 0.25;
 constexpr double overhead_of_a_further_doubling = 0.35;
 

@@ -57,8 +57,8 @@ template <int Dim, class Real>
 void sum_over_holders(LaneLevel<Dim>& level, Real* values, int entries);
 
 /// Finds what is held of a coarse level, `coarse.fixed`, from what is held of the finer one, `fine.fixed`
-/// (docs/formulation.md 11.2), with `components` unknowns per node. Meshes, stage and sums of both levels
-/// must be there. Collective on `comm`, the grid's communicator.
+/// (docs/developer/lane-engine.md 11.2), with `components` unknowns per node. Meshes, stage and sums of both
+/// levels must be there. Collective on `comm`, the grid's communicator.
 template <int Dim>
 void find_coarse_supports(MPI_Comm comm, LaneLevel<Dim>& fine, LaneLevel<Dim>& coarse, int components);
 

@@ -36,7 +36,8 @@ struct ElasticRun {
 };
 
 /// Adjoint loads of several functionals, and what their solutions add to the derivatives
-/// (docs/formulation.md 8). Functionals with negligible loads in a block have explicit derivatives only.
+/// (docs/developer/derivatives.md 8.2). Functionals with negligible loads in a block have explicit
+/// derivatives only.
 template <int Dim>
 class ElasticAdjoint : public StepLoads {
  public:

@@ -10,8 +10,8 @@
 namespace fabseq {
 
 /// Changes the times of nodes so that elements that fail a check of their binary layers fail none: place by
-/// place, by steps that lower the smooth counts of these elements alone (docs/formulation.md 13.5). Calls are
-/// collective on the grid's communicator.
+/// place, by steps that lower the smooth counts of these elements alone (docs/developer/repair.md 13.5).
+/// Calls are collective on the grid's communicator.
 template <int Dim>
 class TimeMending {
  public:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// \file
 /// Functions over the nodes of a set, and distortion as a sum of squares of a few of its products with such
-/// functions and a rest (docs/formulation.md 9).
+/// functions and a rest (docs/developer/optimizer.md 9.2).
 #pragma once
 
 #include "responses/set_displacement.h"

@@ -23,8 +23,8 @@ struct GradientError {
   double best() const;  ///< smallest relative error, of the central and the fourth-order differences
 };
 
-/// Adjoint gradients against central differences (docs/formulation.md 8): errors of all components for a list
-/// of steps.
+/// Adjoint gradients against central differences (docs/developer/derivatives.md 8.6): errors of all
+/// components for a list of steps.
 struct GradientCheck {
   std::string name;           ///< of the config
   std::vector<double> steps;  ///< of the optimizer's variable, fraction of its range

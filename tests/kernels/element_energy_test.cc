@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Mutual energies and works of elements against the matrices (formulation 8).
+/// Mutual energies and works of elements against the matrices (docs/developer/derivatives.md 8.2).
 #include "kernels/element_energy.h"
 
 #include "kernels/lanes.h"

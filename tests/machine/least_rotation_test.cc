@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The rotation that turns a torch (docs/formulation.md 13.2).
+/// The rotation that turns a torch (docs/developer/derivatives.md 13.2).
 #include "fabseq/machine/least_rotation.h"
 
 #include <gtest/gtest.h>

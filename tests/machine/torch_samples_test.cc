@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Points that fill a torch (docs/formulation.md 13.2).
+/// Points that fill a torch (docs/developer/numerics.md 13.2).
 #include "fabseq/machine/torch.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// Random subproblems of MMA: the step must fulfil the optimality conditions of Svanberg's approximations,
-/// which are written out here as in his papers (formulation 9).
+/// which are written out here as in his papers (docs/developer/optimizer.md 9.1).
 #include "fabseq/base/mpi.h"
 #include "fabseq/mma/mma.h"
 #include "support/share.h"

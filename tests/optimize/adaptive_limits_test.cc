@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// Limits that follow the exact checks (docs/formulation.md 13.2).
+/// Limits that follow the exact checks (docs/developer/repair.md 13.2).
 #include "fabseq/optimize/adaptive_limits.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// How closely the solves of an iteration go where the tolerance follows the design (formulation 9).
+/// How closely the solves of an iteration go where the tolerance follows the design
+/// (docs/developer/optimizer.md 9.4).
 #include "fabseq/optimize/run_state.h"
 
 #include <gtest/gtest.h>

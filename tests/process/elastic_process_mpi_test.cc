@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// The layer-by-layer simulation against dense matrices and exact solutions, its adjoint against differences
-/// (formulation 4.1, 8).
+/// (docs/formulation.md 4.1, docs/developer/derivatives.md 8.2).
 #include "fabseq/process/elastic_process.h"
 #include "support/process_case.h"
 #include "support/table_strain.h"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Processes with a strain of each element in each step: their adjoint against differences, and the same
-/// strains from sources that tell how little they vary (formulation 4.1, 8).
+/// strains from sources that tell how little they vary (docs/formulation.md 4.1,
+/// docs/developer/derivatives.md 8.2).
 #include "fabseq/process/built_strain.h"
 #include "fabseq/process/residual_stress.h"
 #include "fabseq/process/strain_source.h"

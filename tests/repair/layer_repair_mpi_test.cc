@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Repair of binary layers (docs/formulation.md 13.5) on a block in planar layers that are disturbed at one
-/// place, judged by the definitions of the checks.
+/// Repair of binary layers (docs/developer/repair.md 13.5) on a block in planar layers that are disturbed at
+/// one place, judged by the definitions of the checks.
 #include "fabseq/config/setup.h"
 #include "fabseq/repair/layer_repair.h"
 #include "fabseq/sequence/element_means.h"

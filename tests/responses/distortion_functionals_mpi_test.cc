@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-/// Distortion as a sum of squares (formulation 9): the functionals against fits by hand, what they leave,
-/// their gradients.
+/// Distortion as a sum of squares (docs/developer/optimizer.md 9.2): the functionals against fits by hand,
+/// what they leave, their gradients.
 #include "support/pipeline_case.h"
 #include "support/response.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// The file history.jsonl of a run's directory: one JSON object per line (docs/reference.md, output, lists
-/// its keys). All calls are collective on the directory's communicator.
+/// The file history.jsonl of a run's directory: one JSON object per line (docs/developer/files.md lists its
+/// keys). All calls are collective on the directory's communicator.
 #pragma once
 
 #include "fabseq/base/json.h"

@@ -26,8 +26,8 @@ struct TimeGradient {
 };
 
 /// Returns the sequence's own gradient if it has one. Otherwise returns the one recorded in its file or,
-/// without that, fits one to the times around each element by least squares (docs/formulation.md 13.1).
-/// Multi-planar layers have print directions, so nothing is fitted for them. Collective on the grid's
+/// without that, fits one to the times around each element by least squares (docs/developer/numerics.md
+/// 13.1). Multi-planar layers have print directions, so nothing is fitted for them. Collective on the grid's
 /// communicator.
 template <int Dim>
 TimeGradient time_gradient(const Part<Dim>& part, const PseudoTime<Dim>& time, const LayerDensities& layers);

@@ -52,7 +52,7 @@ std::vector<double> torch_tilt(const Part<Dim>& part, std::span<const double> ax
 
 /// Points that fill a torch with its clearance, relative to its tip and for an axis along the plate's normal
 /// `up`: denser near the tip, which comes nearest to the bead, and even over the disc at each height
-/// (docs/formulation.md 13.2). Not collective.
+/// (docs/developer/numerics.md 13.2). Not collective.
 /// \param settings  with a profile
 /// \param highest   height above which there is nothing that the torch could meet, length unit
 /// \param count     number of points

@@ -13,11 +13,11 @@ namespace fabseq {
 /// How a solver path goes through a block of layers.
 BlockSolver block_solver(SolverPath path);
 
-/// Whether solvers with so many lanes give their memory back between solves (docs/formulation.md 11).
+/// Whether solvers with so many lanes give their memory back between solves (docs/developer/lane-engine.md).
 bool saves_memory(int lanes);
 
-/// Sums over what the stages cost (StageCost). Measured on one core (docs/performance.md), good to a factor
-/// of two.
+/// Sums over what the stages cost (StageCost). Measured on one core (docs/developer/measuring.md), good to a
+/// factor of two.
 double memory_estimate(const RunSize& size, SolverPath path, int groups, int lanes);  ///< all ranks, bytes
 double iteration_seconds_estimate(const RunSize& size, SolverPath path);  ///< per design iteration
 /// Time of a design iteration, in units of a full block of layers on one rank. Ranks beyond the

@@ -8,8 +8,8 @@
 
 namespace fabseq {
 
-/// Limits of smooth counts that follow the exact checks (docs/formulation.md 13.2): what each constraint's
-/// first limit is multiplied by. Local; ranks agree because what they are told does.
+/// Limits of smooth counts that follow the exact checks (docs/developer/repair.md 13.2): what each
+/// constraint's first limit is multiplied by. Local; ranks agree because what they are told does.
 class AdaptiveLimits {
  public:
   /// All factors are 1.

@@ -80,7 +80,7 @@ class Problem {
   /// Whether any constraint has a limit that adapts.
   bool adapts() const;
   /// Adapts the limits of constraints to what the exact checks find at the design of the last evaluate()
-  /// (docs/formulation.md 13.2). `shares`: of the part, beyond the limit of each constraint; those of
+  /// (docs/developer/repair.md 13.2). `shares`: of the part, beyond the limit of each constraint; those of
   /// constraints whose limit is given are not looked at. `may_widen`: AdaptiveLimits::adapt(). Not
   /// collective; the same on all ranks.
   void adapt(const ProblemValues& values, std::span<const double> shares, bool may_widen);

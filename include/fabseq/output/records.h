@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// What is found out, as JSON: history.jsonl, summary.json, evaluation.json (their keys: docs/reference.md,
-/// Output).
+/// What is found out, as JSON: history.jsonl, summary.json, evaluation.json (their keys: docs/reference.md
+/// and docs/developer/files.md).
 #pragma once
 
 #include "fabseq/base/json.h"

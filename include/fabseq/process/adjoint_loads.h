@@ -10,7 +10,8 @@
 
 namespace fabseq {
 
-/// Loads of the adjoint systems of a process (docs/formulation.md 8.2), -w_j (dJ/du + dJ/d(w_j du_j)).
+/// Loads of the adjoint systems of a process (docs/developer/derivatives.md 8.2), -w_j (dJ/du + dJ/d(w_j
+/// du_j)).
 ///
 /// Under nominal deposition w_j is 0 where nothing stands yet, and the load of most of the early steps next
 /// to nothing. It is measured as what Jacobi's preconditioner makes of it,

@@ -23,8 +23,9 @@
 
 namespace fabseq {
 
-/// The layer-by-layer inherent-strain simulation and its adjoint (docs/formulation.md 4.1, 8). Each step adds
-/// its increment to the displacement, u = sum of du_s, where K_s du_s = f_s (StepSystems, BuildStep).
+/// The layer-by-layer inherent-strain simulation and its adjoint (docs/formulation.md 4.1,
+/// docs/developer/derivatives.md 8.2). Each step adds its increment to the displacement, u = sum of du_s,
+/// where K_s du_s = f_s (StepSystems, BuildStep).
 ///
 /// Under nominal deposition (4.6), u is the sum of w_j du_s, j the step's layer. Adjoint: K_s lambda_s =
 /// -w_j (dJ/du + dJ/d(w_j du_s)), then dJ/drho_j,e = E' lambda^T K_0 du, and dJ/d(drho_j,e) = -q

@@ -15,8 +15,8 @@
 namespace fabseq {
 
 /// What the elements contribute to the systems of a block of steps, side by side, and to their derivatives
-/// (docs/formulation.md 4.1, 8). `region`: the block and its elements; others have no stiffness, load or
-/// derivatives.
+/// (docs/formulation.md 4.1, docs/developer/derivatives.md 8.2). `region`: the block and its elements; others
+/// have no stiffness, load or derivatives.
 template <int Dim>
 class StepElements {
  public:

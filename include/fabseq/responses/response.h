@@ -68,7 +68,8 @@ struct ConstraintRow {
 template <int Dim>
 class Response;
 
-/// Functionals whose squares add up to the value of an objective, less a rest >= 0 (docs/formulation.md 9).
+/// Functionals whose squares add up to the value of an objective, less a rest >= 0
+/// (docs/developer/optimizer.md 9.2).
 template <int Dim>
 struct SumOfSquares {
   std::unique_ptr<Response<Dim>> functionals;  ///< its components
@@ -105,7 +106,7 @@ class Response {
   /// the objective is no sum of squares or is not to be handed over as one. Collective.
   virtual std::optional<SumOfSquares<Dim>> squares(TermScaling /*scaling*/) const { return std::nullopt; }
   /// The response whose largest component is this one's value, if that is how it is defined: the optimizer is
-  /// given all of them (docs/formulation.md 9); else nullptr. Collective.
+  /// given all of them (docs/developer/optimizer.md 9.3); else nullptr. Collective.
   virtual std::unique_ptr<Response<Dim>> largest_of() const { return nullptr; }
 };
 

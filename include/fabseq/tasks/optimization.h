@@ -43,7 +43,7 @@ template <int Dim>
 std::optional<JudgedValues> judge_binary(const Setup<Dim>& setup, Pipeline<Dim>& pipeline, RunState<Dim>& run,
                                          int iteration);
 /// Adapts the limits that the config leaves open to what the exact checks find at an iterate's state, for the
-/// next one (docs/formulation.md 13.2). Collective.
+/// next one (docs/developer/repair.md 13.2). Collective.
 template <int Dim>
 void adapt_limits(const Setup<Dim>& setup, RunState<Dim>& run, const Pipeline<Dim>& pipeline,
                   const StageResults<Dim>& state, const Iterate& iterate);

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What the process simulation solves for one layer of a result (docs/formulation.md 4): which elements there
 are, how stiff they are, how they shrink, and which nodes are held. The program says so in the group `model`
-of result.h5 (docs/reference.md). Layers are binary, as in result.h5."""
+of result.h5 (docs/developer/files.md). Layers are binary, as in result.h5."""
 
 import os
 

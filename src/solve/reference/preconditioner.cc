@@ -8,7 +8,7 @@ namespace fabseq {
 
 namespace {
 
-/// A factorization beats multigrid up to about this many unknowns (docs/performance.md).
+/// A factorization beats multigrid up to about this many unknowns (docs/developer/measuring.md).
 template <int Dim>
 constexpr std::int64_t direct_limit = Dim == 2 ? 200000 : 20000;
 /// More nodes than this on the coarsest level are too many for a factorization on every rank.
