@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/process/solve_count.h"
+#include "process/solve_count.h"
 
 #include "fabseq/base/error.h"
 #include "fabseq/base/formatted.h"

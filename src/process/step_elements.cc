@@ -2,8 +2,8 @@
 #include "fabseq/process/step_elements.h"
 
 #include "fabseq/base/log_event.h"
-#include "fabseq/process/load_factors.h"
 #include "kernels/element_energy.h"
+#include "process/load_factors.h"
 
 #include <algorithm>
 #include <array>

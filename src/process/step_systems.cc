@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/process/step_systems.h"
 
-#include "fabseq/process/solve_count.h"
+#include "process/solve_count.h"
 
 #include <algorithm>
 #include <iterator>

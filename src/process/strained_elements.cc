@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "process/strained_elements.h"
 
-#include "fabseq/process/load_factors.h"
+#include "process/load_factors.h"
 
 namespace fabseq {
 
