@@ -19,6 +19,7 @@
 #include "fabseq/base/stop.h"
 #include "fabseq/config/command_line.h"
 #include "fabseq/config/unlikely_numbers.h"
+#include "fabseq/output/run_place.h"
 #include "fabseq/tasks/optimization.h"
 #include "fabseq/tasks/starts.h"
 #include "fabseq/tasks/tasks.h"
@@ -28,19 +29,21 @@
 namespace fabseq {
 namespace {
 
-/// One design after the other, until they converge or there have been as many as were asked for.
+/// One design after the other, until they converge or there have been as many as were asked for. `begin`: the
+/// first of them; none: that of the command line.
 template <int Dim>
-void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTimer& timer) {
-  const std::optional<Restart> restart = find_restart(setup, command_line);
+RunOutcome optimize(const CommandLine& command_line, const Setup<Dim>& setup, const RunPlace& place,
+                    std::optional<FirstDesign> begin, PhaseTimer& timer) {
+  const std::optional<Restart> restart = find_restart(setup, place);
   const auto coarse = restart ? std::nullopt : make_coarse_grid(setup, command_line);
   const auto starts = restart ? std::nullopt : make_starts(setup, command_line, coarse.has_value());
   if (!restart) require_design(setup, command_line);
-  RunOutput<Dim> output(setup, command_line, restart, timer);
-  const CommandLine refined =  // grid sequencing (9)
-      begin_on_coarse_grid<Dim>(coarse, command_line, setup, output, optimize<Dim>);
-  const CommandLine start = begin_with_starts<Dim>(starts, refined, output, optimize<Dim>);
+  RunOutput<Dim> output(setup, command_line, place, restart, timer);
+  // Grid sequencing (9).
+  if (coarse) begin = begin_on_coarse_grid<Dim>(*coarse, command_line, setup, place, output, optimize<Dim>);
+  if (starts) begin = begin_with_starts<Dim>(*starts, command_line, place, output, optimize<Dim>);
   Pipeline<Dim> pipeline(setup, setup.config.solver.finest_tolerance(), timer);
-  RunState<Dim> run = starting_state(setup, command_line, start, restart, pipeline);
+  RunState<Dim> run = starting_state(setup, command_line, begin, restart, pipeline);
   try {
     output.keep(run, pipeline);
     output.baseline(planar_baseline(setup, run.problem, timer),
@@ -73,7 +76,7 @@ void optimize(const CommandLine& command_line, const Setup<Dim>& setup, PhaseTim
     }
     pipeline.set_tolerances(Tolerances::all({setup.config.solver.finest_tolerance()}));
     pipeline.set_region(SolverRegion::whole);
-    finish(setup, run, pipeline, output, timer);
+    return finish(setup, run, pipeline, output, timer);
   } catch (const Stopped& reason) {
     output.stop(reason);
     throw;
@@ -96,7 +99,8 @@ void run_task(const CommandLine& command_line, const Config& config) {
   }
   switch (command_line.task) {
     case Task::optimize:
-      return optimize(command_line, setup, timer);
+      (void)optimize(command_line, setup, place_of_run(config, command_line), std::nullopt, timer);
+      return;
     case Task::simulate:
       return run_simulate(command_line, setup, timer);
     case Task::sensitivity:

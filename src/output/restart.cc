@@ -79,12 +79,11 @@ bool has_begun(MPI_Comm comm, const OptimizerSettings& optimizer, const std::str
 }  // namespace
 
 template <int Dim>
-std::optional<Restart> find_restart(const Setup<Dim>& setup, const CommandLine& command_line) {
-  if (!command_line.restart) return std::nullopt;
+std::optional<Restart> find_restart(const Setup<Dim>& setup, const RunPlace& place) {
+  if (!place.restart) return std::nullopt;
   const MPI_Comm comm = setup.world();
-  const std::string output = output_path(setup.config, command_line);
-  const bool automatic = *command_line.restart == "auto";
-  const std::string directory = automatic ? output : *command_line.restart;
+  const bool automatic = place.restarts_automatically();
+  const std::string directory = automatic ? place.directory : *place.restart;
   const std::string path = find_checkpoint(comm, directory);
   const bool begun = path.empty() && has_begun(comm, setup.config.optimizer, directory);
   if (path.empty() && !automatic && !begun)
@@ -97,7 +96,8 @@ std::optional<Restart> find_restart(const Setup<Dim>& setup, const CommandLine& 
     return std::nullopt;
   }
   require_same_problem(setup, path);
-  Restart restart{directory, same_directory(comm, directory, output), path.substr(path.rfind('/') + 1), {}};
+  Restart restart{
+      directory, same_directory(comm, directory, place.directory), path.substr(path.rfind('/') + 1), {}};
   setup.groups.run([&] { restart.state = read_checkpoint(path, setup.design_layout()); });
   print("continues after iteration " + std::to_string(restart.state.integer("iteration")) + " of '" + path +
         "'");

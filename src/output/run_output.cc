@@ -21,11 +21,11 @@ constexpr const char* starts_file = "starts.json";
 }  // namespace
 
 template <int Dim>
-RunOutput<Dim>::RunOutput(const Setup<Dim>& setup, const CommandLine& command_line,
+RunOutput<Dim>::RunOutput(const Setup<Dim>& setup, const CommandLine& command_line, const RunPlace& place,
                           const std::optional<Restart>& restart, PhaseTimer& timer)
     : setup_(setup),
       timer_(timer),
-      directory_(make_output_directory(setup, command_line, restart && restart->in_place)),
+      directory_(make_run_directory(setup, command_line, place, restart && restart->in_place)),
       // Each layer group looks for itself: those that are still at work then leave it, too.
       stop_file_(setup.groups.domain(), directory_.file("stop")),
       clock_(timer),
@@ -33,17 +33,18 @@ RunOutput<Dim>::RunOutput(const Setup<Dim>& setup, const CommandLine& command_li
       terminal_(setup.world(), setup.config.optimizer.max_iterations) {
   if (!restart) return;
   checkpoints_.continue_from(*restart);
-  take_starts(restart->directory);
+  continue_starts(restart->directory);
 }
 
 template <int Dim>
 void RunOutput<Dim>::set_starts(const Json& record) {
+  if (record.is_null()) return;
   starts_ = record;
   directory_.write(starts_file, to_text(record, 2) + "\n");
 }
 
 template <int Dim>
-void RunOutput<Dim>::take_starts(const std::string& directory) {
+void RunOutput<Dim>::continue_starts(const std::string& directory) {
   const MPI_Comm comm = setup_.world();
   const std::string path = directory + "/" + starts_file;
   const std::string text = broadcast(comm, rank_of(comm) == 0 ? read_file_if_there(path) : "");

@@ -54,34 +54,35 @@ void require_inputs_to_stay(const Config& config, const CommandLine& command_lin
 
 }  // namespace
 
-std::string output_path(const Config& config, const CommandLine& command_line) {
-  if (command_line.output) return *command_line.output;
-  const bool of_restart = command_line.restart && *command_line.restart != "auto";
-  return of_restart ? *command_line.restart : "output/" + config.name;
-}
-
 bool same_directory(MPI_Comm comm, const std::string& a, const std::string& b) {
   std::error_code error;
   return any(comm, rank_of(comm) == 0 && std::filesystem::equivalent(a, b, error));
 }
 
 template <int Dim>
-OutputDirectory make_output_directory(const Setup<Dim>& setup, const CommandLine& command_line,
-                                      bool continues) {
+OutputDirectory make_run_directory(const Setup<Dim>& setup, const CommandLine& command_line,
+                                   const RunPlace& place, bool continues) {
   const MPI_Comm comm = setup.world();
-  const std::string path = output_path(setup.config, command_line);
-  const bool goes_on = command_line.restart == "auto" ||
-                       (command_line.restart && same_directory(comm, *command_line.restart, path));
+  const std::string& path = place.directory;
+  const bool goes_on =
+      place.restarts_automatically() || (place.restart && same_directory(comm, *place.restart, path));
   const bool replaces = command_line.overwrite || goes_on;
   if (replaces && !continues) require_inputs_to_stay(setup.config, command_line, comm, path);
   OutputDirectory directory =
       continues ? OutputDirectory::continued(comm, path) : OutputDirectory(comm, path, replaces);
-  if (command_line.overwrite && !command_line.restart) directory.remove_earlier_runs();
+  if (command_line.overwrite && !place.restart) directory.remove_earlier_runs();
   directory.write("config.json",
                   to_text(config_record(setup.config, setup.effective(), command_line, comm), 2) + "\n");
   return directory;
 }
 
+template <int Dim>
+OutputDirectory make_output_directory(const Setup<Dim>& setup, const CommandLine& command_line) {
+  return make_run_directory(setup, command_line, place_of_run(setup.config, command_line),
+                            /*continues=*/false);
+}
+
+FABSEQ_INSTANTIATE_FUNCTION(make_run_directory);
 FABSEQ_INSTANTIATE_FUNCTION(make_output_directory);
 
 }  // namespace fabseq

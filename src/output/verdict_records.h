@@ -16,8 +16,6 @@ Json to_record(const FaultyPlaces& places, const ModelSettings& settings);
 Json answer_record(const Headline& headline, const FinalReports& reports, const ModelSettings& settings);
 /// A constraint with its bounds: sign * (value - bound) / scale of none of its values may be above 0.
 Json to_record(const ConstraintLimit& limit);
-/// The constraint that is missed by most.
-Json to_record(const ConstraintMiss& miss);
 /// What only a baseline has: the direction of tilted layers, and all that were tried.
 void add_directions(Json& record, const Baseline& baseline);
 

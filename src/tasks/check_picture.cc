@@ -87,7 +87,8 @@ std::string draw(const std::string& directory, const std::string& picture) {
 
 template <int Dim>
 void write_check_picture(const Setup<Dim>& setup, const CommandLine& command_line) {
-  const std::string directory = output_path(setup.config, command_line), picture = directory + "/check.svg";
+  const std::string directory = place_of_run(setup.config, command_line).directory,
+                    picture = directory + "/check.svg";
   run_on_first(setup.world(), [&] {
     std::error_code error;
     std::filesystem::create_directories(directory, error);

@@ -2,10 +2,9 @@
 #include "fabseq/tasks/coarse_grid.h"
 
 #include "fabseq/base/error.h"
-#include "fabseq/base/hdf5.h"
-#include "fabseq/files/hdf5_writer.h"
-#include "fabseq/files/output_directory.h"
 #include "fabseq/keys/config_key.h"
+#include "tasks/carried_design.h"
+#include "tasks/write_design.h"
 
 #include <algorithm>
 #include <utility>
@@ -116,36 +115,6 @@ Config coarsened(const Setup<Dim>& fine) {
   return config;
 }
 
-/// Field of a coarse run on the fine grid's owned elements, [element][component].
-template <int Dim>
-std::vector<double> read_coarse_field(const Grid<Dim>& fine, const std::string& file,
-                                      const std::string& dataset, int components) {
-  const Hdf5ParallelDataset data(fine.comm(), file, dataset, key, key);
-  IndexBox<Dim> box;
-  std::vector<hsize_t> start(Dim), count(Dim);  // slowest axis first
-  const IndexBox<Dim>& owned = fine.owned_elements();
-  for (int axis = 0; axis < Dim; ++axis) {
-    box.start[axis] = owned.start[axis] / 2;
-    box.size[axis] =
-        owned.size[axis] > 0 ? (owned.start[axis] + owned.size[axis] + 1) / 2 - box.start[axis] : 0;
-    start[Dim - 1 - axis] = static_cast<hsize_t>(box.start[axis]);
-    count[Dim - 1 - axis] = static_cast<hsize_t>(box.size[axis]);
-  }
-  if (components > 1) {
-    start.push_back(0);
-    count.push_back(static_cast<hsize_t>(components));
-  }
-  const std::vector<double> coarse = data.read(start, count);
-  std::vector<double> result(static_cast<std::size_t>(owned.count()) * components);
-  owned.for_each([&](const Index<Dim>& element, std::int64_t offset) {
-    Index<Dim> parent = element;
-    for (int& index : parent) index /= 2;
-    std::copy_n(coarse.begin() + static_cast<std::ptrdiff_t>(box.offset(parent) * components), components,
-                result.begin() + static_cast<std::ptrdiff_t>(offset * components));
-  });
-  return result;
-}
-
 }  // namespace
 
 template <int Dim>
@@ -162,32 +131,11 @@ CoarseGrid<Dim>::CoarseGrid(const Setup<Dim>& fine) {
 }
 
 template <int Dim>
-CommandLine CoarseGrid<Dim>::command_line(const CommandLine& fine, const std::string& directory) const {
-  CommandLine result = fine;
-  result.output = directory + "/" + coarse_folder;
-  if (fine.restart && *fine.restart != "auto") result.restart = *fine.restart + "/" + coarse_folder;
+FirstDesign CoarseGrid<Dim>::refine(const Setup<Dim>& fine, const Design& design,
+                                    const std::string& directory) const {
+  FirstDesign result{carried_design(*setup_, design, fine, /*factor=*/2), directory + "/refined.h5"};
+  write_design(fine, result.design, result.file);
   return result;
-}
-
-template <int Dim>
-std::string CoarseGrid<Dim>::refine(const Setup<Dim>& fine, const std::string& directory) {
-  const std::string folder = directory + "/" + coarse_folder + "/";
-  const std::string result = folder + "result.h5";
-  std::string refined = folder + "refined.h5";
-  const int components = fine.design_support.components();
-  const std::vector<double> parents = read_coarse_field(fine.grid, result, "design", components);
-  // Only where there are variables: a coarse element may be part of the part in one of its fine elements.
-  const std::vector<double> design =
-      fine.design_support.expand(fine.design_support.restrict_to_variables(parents));
-  Hdf5Writer file(fine.world(), refined);
-  file.template write_field<Dim>(fine.grid, {"design", false, components, design});
-  if (const LayerVariables& variables = fine.layers->variables(); variables.count() > 0)
-    file.write_array(variables.name,
-                     read_list(fine.world(), result, variables.name, variables.count(), "as on the fine grid",
-                               key, key, variables.columns),
-                     variables.columns);
-  file.close();
-  return refined;
 }
 
 template <int Dim>

@@ -5,7 +5,6 @@
 #include "fabseq/chain/stages.h"
 #include "fabseq/machine/interior_extrema.h"
 #include "fabseq/report/layer_doubts.h"
-#include "fabseq/tasks/starting_design.h"
 #include "fabseq/tasks/tasks.h"
 #include "tasks/repaired_sequence.h"
 #include "tasks/sensitivity.h"
@@ -88,6 +87,27 @@ FinalReports final_reports(const Setup<Dim>& setup, const Problem<Dim>& problem,
   return reports;
 }
 
+/// What the best design comes to, as summary.json has it.
+RunOutcome outcome_of(const FinalReports& reports, const BestIterate& best, const Json& starts) {
+  RunOutcome result{best.design(), {},           best.feasible(), best.worst_constraint(),
+                    best.merit(),  reports.miss, starts};
+  for (const NamedValue& response : reports.optimized.responses)
+    if (response.name.starts_with("objective")) result.objective.push_back(response.value);
+  return result;
+}
+
+template <int Dim>
+void write_sensitivity_if_possible(const Setup<Dim>& setup, Sequence<Dim>& sequence, const BestIterate& best,
+                                   const OutputDirectory& directory, PhaseTimer& timer) {
+  try {
+    write_sensitivity(setup, sequence, best.design(), best.beta(), directory, timer);
+  } catch (const Stopped& reason) {
+    warn(std::string("no sensitivity table: ") + reason.what());
+  } catch (const NumericalError& error) {
+    warn(std::string("no sensitivity table: ") + error.what());
+  }
+}
+
 }  // namespace
 
 template <int Dim>
@@ -104,29 +124,31 @@ void before_the_first(RunOutput<Dim>& output, const std::function<void()>& run) 
 }
 
 template <int Dim>
-CommandLine begin_on_coarse_grid(const std::optional<CoarseGrid<Dim>>& coarse,
-                                 const CommandLine& command_line, const Setup<Dim>& setup,
-                                 RunOutput<Dim>& output, const Optimize<Dim>& optimize) {
-  if (!coarse) return command_line;
-  print("begins with " + iterations_on(coarse->setup()));
+FirstDesign begin_on_coarse_grid(const CoarseGrid<Dim>& coarse, const CommandLine& command_line,
+                                 const Setup<Dim>& setup, const RunPlace& place, RunOutput<Dim>& output,
+                                 const Optimize<Dim>& optimize) {
+  print("begins with " + iterations_on(coarse.setup()));
   PhaseTimer timer;
-  const CommandLine first = coarse->command_line(command_line, output.directory().path());
-  before_the_first<Dim>(output, [&] { optimize(first, coarse->setup(), timer); });
-  output.take_starts(*first.output);
-  CommandLine others = command_line;
-  others.design_file = CoarseGrid<Dim>::refine(setup, output.directory().path());
+  const RunPlace first = place.inside(coarse_folder);
+  RunOutcome outcome;
+  before_the_first<Dim>(
+      output, [&] { outcome = optimize(command_line, coarse.setup(), first, std::nullopt, timer); });
+  output.set_starts(outcome.starts);
+  FirstDesign refined = coarse.refine(setup, outcome.design, first.directory);
   print("goes on with " + iterations_on(setup));
-  return others;
+  return refined;
 }
 
 template <int Dim>
 RunState<Dim> starting_state(const Setup<Dim>& setup, const CommandLine& command_line,
-                             const CommandLine& after_coarse_grid, const std::optional<Restart>& restart,
+                             const std::optional<FirstDesign>& begin, const std::optional<Restart>& restart,
                              Pipeline<Dim>& pipeline) {
-  RunState<Dim> run(setup, setup.config.optimizer, pipeline.sequence(),
-                    starting_design(setup, pipeline.sequence(), after_coarse_grid));
-  if (!restart && after_coarse_grid.design_file != command_line.design_file) {
-    const Design initial = starting_design(setup, pipeline.sequence(), command_line);
+  const Sequence<Dim>& sequence = pipeline.sequence();
+  if (begin) require_within_bounds(setup, sequence, *begin);
+  RunState<Dim> run(setup, setup.config.optimizer, sequence,
+                    begin ? begin->design : starting_design(setup, sequence, command_line));
+  if (begin && !restart) {
+    const Design initial = starting_design(setup, sequence, command_line);
     run.problem.evaluate(pipeline, pipeline.run(initial, setup.layers->traits().first_beta, false));
     pipeline.start_cold();
   }
@@ -170,21 +192,16 @@ void adapt_limits(const Setup<Dim>& setup, RunState<Dim>& run, const Pipeline<Di
 }
 
 template <int Dim>
-void finish(const Setup<Dim>& setup, const RunState<Dim>& run, Pipeline<Dim>& pipeline,
-            RunOutput<Dim>& output, PhaseTimer& timer) {
+RunOutcome finish(const Setup<Dim>& setup, const RunState<Dim>& run, Pipeline<Dim>& pipeline,
+                  RunOutput<Dim>& output, PhaseTimer& timer) {
   const BestIterate& best = run.best;
   const FinalReports reports = final_reports(setup, run.problem, pipeline, best, timer);
   output.finish(run.end(), reports, best);
   if (setup.config.output.stress) print_beyond_yield(reports.binary, setup.config.material);
   for (const std::string& line : doubts_about_layers(*reports.binary.build)) warn(line);
-  if (!setup.config.output.sensitivity) return;
-  try {
-    write_sensitivity(setup, pipeline.sequence(), best.design(), best.beta(), output.directory(), timer);
-  } catch (const Stopped& reason) {
-    warn(std::string("no sensitivity table: ") + reason.what());
-  } catch (const NumericalError& error) {
-    warn(std::string("no sensitivity table: ") + error.what());
-  }
+  if (setup.config.output.sensitivity)
+    write_sensitivity_if_possible(setup, pipeline.sequence(), best, output.directory(), timer);
+  return outcome_of(reports, best, output.starts());
 }
 
 FABSEQ_INSTANTIATE_FUNCTION(before_the_first);

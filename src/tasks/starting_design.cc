@@ -33,13 +33,10 @@ bool any_outside(MPI_Comm comm, const std::vector<double>& values, double lower,
                                [&](double value) { return !(value >= below && value <= above); }));
 }
 
-/// Values on the owned elements or nodes with a variable.
+/// `design`: values on the owned elements or nodes with a variable; `file` has them.
 template <int Dim>
-std::vector<double> read_design_field(const Setup<Dim>& setup, const DesignSpace& space,
-                                      const std::string& file) {
-  const DesignSupport<Dim>& support = setup.design_support;
-  std::vector<double> design = support.restrict_to_variables(
-      read_field(setup.grid, support.on_nodes(), file, "design", "-design", "-design", space.count()));
+void require_field(const Setup<Dim>& setup, const DesignSpace& space, const std::vector<double>& design,
+                   const std::string& file) {
   const std::string& key = setup.config.sequence.kind->bounds_key;
   for (int component = 0; component < space.count(); ++component) {
     std::vector<double> values;
@@ -50,9 +47,32 @@ std::vector<double> read_design_field(const Setup<Dim>& setup, const DesignSpace
                      Json(upper).dump() +
                      (space.count() > 1 ? " of component " + std::to_string(component) : "") +
                      (key.empty() ? "" : " of " + pointer_to("/sequence", key)) + " on the part's " +
-                     (support.on_nodes() ? "nodes" : "elements"));
+                     (setup.design_support.on_nodes() ? "nodes" : "elements"));
   }
+}
+
+/// Values on the owned elements or nodes with a variable.
+template <int Dim>
+std::vector<double> read_design_field(const Setup<Dim>& setup, const DesignSpace& space,
+                                      const std::string& file) {
+  const DesignSupport<Dim>& support = setup.design_support;
+  std::vector<double> design = support.restrict_to_variables(
+      read_field(setup.grid, support.on_nodes(), file, "design", "-design", "-design", space.count()));
+  require_field(setup, space, design, file);
   return design;
+}
+
+void require_layer_variables(MPI_Comm comm, const LayerVariables& variables,
+                             const std::vector<double>& values, const std::string& file,
+                             const std::string& option) {
+  for (std::size_t j = 0; j < values.size(); ++j)
+    if (any_outside(comm, {values[j]}, variables.lower[j], variables.upper[j]))
+      throw InputError(option + ": dataset '" + variables.name + "' of " + file + " has " +
+                       Json(values[j]).dump() + ", outside " + Json(variables.lower[j]).dump() + " to " +
+                       Json(variables.upper[j]).dump());
+  if (variables.columns == 0 && !std::is_sorted(values.begin(), values.end()))
+    throw InputError(option + ": dataset '" + variables.name + "' of " + file + " has " +
+                     shown(Json(values)) + ", needs ascending times");
 }
 
 std::vector<double> read_layer_variables(MPI_Comm comm, const LayerVariables& variables,
@@ -60,14 +80,7 @@ std::vector<double> read_layer_variables(MPI_Comm comm, const LayerVariables& va
   const char* shape = variables.columns > 0 ? "a row a sub-part" : "one less than layers";
   std::vector<double> result =
       read_list(comm, file, variables.name, variables.count(), shape, option, option, variables.columns);
-  for (std::size_t j = 0; j < result.size(); ++j)
-    if (any_outside(comm, {result[j]}, variables.lower[j], variables.upper[j]))
-      throw InputError(option + ": dataset '" + variables.name + "' of " + file + " has " +
-                       Json(result[j]).dump() + ", outside " + Json(variables.lower[j]).dump() + " to " +
-                       Json(variables.upper[j]).dump());
-  if (variables.columns == 0 && !std::is_sorted(result.begin(), result.end()))
-    throw InputError(option + ": dataset '" + variables.name + "' of " + file + " has " +
-                     shown(Json(result)) + ", needs ascending times");
+  require_layer_variables(comm, variables, result, file, option);
   return result;
 }
 
@@ -115,6 +128,14 @@ Design starting_design(const Setup<Dim>& setup, const Sequence<Dim>& sequence,
   return design;
 }
 
+template <int Dim>
+void require_within_bounds(const Setup<Dim>& setup, const Sequence<Dim>& sequence, const FirstDesign& given) {
+  const auto& [design, file] = given;
+  require_field(setup, sequence.space(), setup.groups.gather(design.field), file);
+  require_layer_variables(setup.world(), setup.layers->variables(), design.layer_variables, file, "-design");
+}
+
 FABSEQ_INSTANTIATE_FUNCTION(starting_design);
+FABSEQ_INSTANTIATE_FUNCTION(require_within_bounds);
 
 }  // namespace fabseq

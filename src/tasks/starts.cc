@@ -3,26 +3,21 @@
 
 #include "fabseq/base/error.h"
 #include "fabseq/base/formatted.h"
-#include "fabseq/base/mpi.h"
-#include "fabseq/base/posix_file.h"
 #include "fabseq/base/refusal.h"
 #include "fabseq/base/session.h"
 #include "fabseq/chain/stages.h"
 #include "fabseq/files/checkpoint.h"
-#include "fabseq/files/hdf5_writer.h"
 #include "fabseq/files/output_directory.h"
+#include "fabseq/output/records.h"
+#include "tasks/carried_design.h"
+#include "tasks/write_design.h"
 
-#include <algorithm>
 #include <tuple>
 #include <utility>
 
 namespace fabseq {
 
 namespace {
-
-std::string folder_of_start(const std::string& directory, std::size_t start) {
-  return directory + "/" + starts_folder + "/" + std::to_string(start + 1);
-}
 
 /// The settings of a start; what is wrong with them for this part is said of the entry.
 template <int Dim>
@@ -40,10 +35,10 @@ SequenceSettings settings_of_start(const Setup<Dim>& setup, std::size_t start) {
 }
 
 template <int Dim>
-std::vector<double> start_design(const Setup<Dim>& setup, std::size_t start) {
+Design start_design(const Setup<Dim>& setup, std::size_t start) {
   const SequenceSettings settings = settings_of_start(setup, start);
   const auto sequence = make_other_sequence<Dim>(setup, settings, setup.config.solver.finest_tolerance());
-  return setup.design_support.expand(sequence->initial_design());
+  return {setup.groups.share(sequence->initial_design()), setup.layers->variables().start};
 }
 
 /// The config of the runs from the starts: the first iterations of the whole.
@@ -58,63 +53,63 @@ Config first_iterations(const Config& whole) {
   return config;
 }
 
-/// How a start stands after its iterations, for summary.json. Collective.
-Json outcome(MPI_Comm comm, const std::string& folder, const Json& initial) {
-  const std::string file = folder + "/summary.json";
-  const Json summary = parse_json(broadcast(comm, rank_of(comm) == 0 ? read_file_if_there(file) : ""), file);
-  Json objective = Json::array();
-  for (const Json& response : summary.at("optimized").at("responses"))
-    if (response.at("name").get<std::string>().starts_with("objective"))
-      objective.push_back(response.at("value"));
-  Json record = Json::object({{"initial", initial}, {"objective", objective}});
-  for (const char* key : {"feasible", "worst_constraint", "merit"}) record[key] = summary.at(key);
-  if (const auto miss = summary.find("violated"); miss != summary.end()) record["violated"] = *miss;
+/// How a start stands after its iterations, for summary.json.
+Json record_of(const RunOutcome& outcome, const Json& initial) {
+  Json record = Json::object({{"initial", initial},
+                              {"objective", outcome.objective},
+                              {"feasible", outcome.feasible},
+                              {"worst_constraint", outcome.worst_constraint},
+                              {"merit", outcome.merit}});
+  if (outcome.miss) record["violated"] = to_record(*outcome.miss);
   return record;
 }
 
-void print_outcome(const Json& record, std::size_t start) {
-  const auto miss = record.find("violated");
-  const std::string stands = record.at("feasible").get<bool>() ? "feasible"
-                             : miss != record.end()            ? miss->at("words").get<std::string>()
-                                                               : "not feasible";
-  print(formatted("start %zu: merit %.6g, ", start + 1, record.at("merit").get<double>()) + stands);
+void print_outcome(const RunOutcome& outcome, std::size_t start) {
+  const std::string stands = outcome.feasible ? "feasible"
+                             : outcome.miss   ? outcome.miss->words
+                                              : "not feasible";
+  print(formatted("start %zu: merit %.6g, ", start + 1, outcome.merit) + stands);
 }
 
 /// Whether a start is better than another. The violation counts where there is one, before the merit.
-bool is_better(const Json& one, const Json& other) {
-  const auto key = [](const Json& record) {
-    const bool feasible = record.at("feasible").get<bool>();
-    return std::tuple(!feasible, feasible ? 0.0 : record.at("worst_constraint").get<double>(),
-                      record.at("merit").get<double>());
+bool is_better(const RunOutcome& one, const RunOutcome& other) {
+  const auto key = [](const RunOutcome& outcome) {
+    return std::tuple(!outcome.feasible, outcome.feasible ? 0.0 : outcome.worst_constraint, outcome.merit);
   };
   return key(one) < key(other);
 }
 
-/// Optimizes one after the other; the number of the best. `table`: gets what they come to.
+/// The best of the starts.
+struct Choice {
+  std::size_t start;
+  std::string directory;  ///< of its run
+  RunOutcome outcome;
+};
+
+/// Optimizes one after the other. `table`: gets what they come to.
 template <int Dim>
-std::size_t choose(const Starts<Dim>& starts, const CommandLine& command_line, const std::string& directory,
-                   const Optimize<Dim>& optimize, Json& table) {
-  const MPI_Comm comm = starts.setup().world();
-  std::optional<std::size_t> best;
+Choice choose(const Starts<Dim>& starts, const CommandLine& command_line, const RunPlace& place,
+              const Optimize<Dim>& optimize, Json& table) {
+  std::optional<Choice> best;
   for (std::size_t k = 0; k < starts.count(); ++k) {
     print(formatted("start %zu of %zu, initial ", k + 1, starts.count()) + starts.name(k) + ": " +
           std::to_string(starts.setup().config.optimizer.max_iterations) + " iterations");
-    const CommandLine own = starts.command_line(command_line, directory, k);
+    const RunPlace own = starts.place(place, k);
     const Json initial = parse_json(starts.name(k), "initial");
     PhaseTimer timer;
     try {
-      optimize(own, starts.setup(), timer);
+      RunOutcome outcome =
+          optimize(command_line, starts.setup(), own, starts.design(k, place.directory), timer);
+      table.push_back(record_of(outcome, initial));
+      print_outcome(outcome, k);
+      if (!best || is_better(outcome, best->outcome)) best = {k, own.directory, std::move(outcome)};
     } catch (const NumericalError& error) {
       if (k + 1 == starts.count() && !best) throw;
       warn("start " + std::to_string(k + 1) + " is left out: " + error.what());
       table.push_back(Json::object({{"initial", initial}, {"failure", error.what()}}));
-      continue;
     }
-    table.push_back(outcome(comm, *own.output, initial));
-    print_outcome(table[k], k);
-    if (!best || is_better(table[k], table[*best])) best = k;
   }
-  return *best;
+  return std::move(*best);
 }
 
 }  // namespace
@@ -128,25 +123,25 @@ Starts<Dim>::Starts(const Setup<Dim>& setup) : whole_(setup) {
 }
 
 template <int Dim>
-CommandLine Starts<Dim>::command_line(const CommandLine& whole, const std::string& directory,
-                                      std::size_t start) const {
-  const MPI_Comm comm = whole_.world();
-  const DesignSupport<Dim>& support = whole_.design_support;
-  CommandLine result = whole;
-  result.output = folder_of_start(directory, start);
-  result.start_file = directory + "/" + starts_folder + "/start_" + std::to_string(start + 1) + ".h5";
-  if (whole.restart && *whole.restart != "auto") {
-    // A start that this run has not come to is a new one.
-    const std::string earlier = folder_of_start(*whole.restart, start);
-    result.restart = find_checkpoint(comm, earlier).empty() ? "auto" : earlier;
-  }
-  Hdf5Writer file(comm, *result.start_file);
-  file.template write_field<Dim>(whole_.grid,
-                                 {"design", support.on_nodes(), support.components(), designs_[start]});
-  if (const LayerVariables& variables = whole_.layers->variables(); variables.count() > 0)
-    file.write_array(variables.name, variables.start, variables.columns);
-  file.close();
+RunPlace Starts<Dim>::place(const RunPlace& whole, std::size_t start) const {
+  RunPlace result = whole.inside(std::string(starts_folder) + "/" + std::to_string(start + 1));
+  // A start that the run has not come to is a new one.
+  if (result.restart && !result.restarts_automatically() &&
+      find_checkpoint(whole_.world(), *result.restart).empty())
+    result.restart = "auto";
   return result;
+}
+
+template <int Dim>
+FirstDesign Starts<Dim>::design(std::size_t start, const std::string& directory) const {
+  const std::string file = directory + "/" + starts_folder + "/start_" + std::to_string(start + 1) + ".h5";
+  write_design(whole_, designs_[start], file);
+  return {carried_design(whole_, designs_[start], *short_, /*factor=*/1), file};
+}
+
+template <int Dim>
+FirstDesign Starts<Dim>::result(const Design& design, const std::string& directory) const {
+  return {carried_design(*short_, design, whole_, /*factor=*/1), directory + "/result.h5"};
 }
 
 template <int Dim>
@@ -162,21 +157,16 @@ std::optional<Starts<Dim>> make_starts(const Setup<Dim>& setup, const CommandLin
 }
 
 template <int Dim>
-CommandLine begin_with_starts(const std::optional<Starts<Dim>>& starts, const CommandLine& command_line,
-                              RunOutput<Dim>& output, const Optimize<Dim>& optimize) {
-  CommandLine others = command_line;
-  if (command_line.start_file) others.design_file = command_line.start_file;
-  if (!starts) return others;
+FirstDesign begin_with_starts(const Starts<Dim>& starts, const CommandLine& command_line,
+                              const RunPlace& place, RunOutput<Dim>& output, const Optimize<Dim>& optimize) {
   output.directory().make_folder(starts_folder);
-  const std::string& directory = output.directory().path();
   Json table = Json::array();
-  std::size_t best = 0;
-  before_the_first<Dim>(output, [&] { best = choose(*starts, command_line, directory, optimize, table); });
-  for (std::size_t k = 0; k < table.size(); ++k) table[k]["chosen"] = k == best;
+  std::optional<Choice> best;
+  before_the_first<Dim>(output, [&] { best = choose(starts, command_line, place, optimize, table); });
+  for (std::size_t k = 0; k < table.size(); ++k) table[k]["chosen"] = k == best->start;
   output.set_starts(table);
-  print(formatted("start %zu, initial ", best + 1) + starts->name(best) + ", goes on");
-  others.design_file = folder_of_start(directory, best) + "/result.h5";
-  return others;
+  print(formatted("start %zu, initial ", best->start + 1) + starts.name(best->start) + ", goes on");
+  return starts.result(best->outcome.design, best->directory);
 }
 
 FABSEQ_INSTANTIATE_CLASS(Starts);

@@ -9,7 +9,7 @@ import numpy as np
 import run_fabseq
 from compare_runs import assert_same_run
 from run_fabseq import BAD_INPUT, STOPPED, FabseqTest, largest_relative_difference
-from small_parts import direct_2d, hook_3d, plate_2d, write_voxels
+from small_parts import direct_2d, hook_3d, plate_2d, post_on_substrate, write_voxels
 
 OPTIONS = ("-max_iterations", 3, "-coarse_iterations", 4, "-set", "projection.interval=2", "-checkpoint_every", 1)
 
@@ -138,6 +138,17 @@ class CoarseTest(FabseqTest):
                 self.assertIn("/optimizer/coarse_iterations: found 4, but ", run.messages()[0])
                 self.assertIn(reason, run.messages()[0])
                 self.assertFalse(os.path.exists(run.output))
+
+    def test_elements_without_a_coarse_variable(self):
+        """The substrate ends within a row of coarse elements, all of which belong to it: fine elements above
+        it have no design."""
+        config = post_on_substrate(2)
+        config["substrate"]["box"]["max"][1], config["part"]["union"][0]["box"]["min"][1] = 0.14, 0.1
+        for ranks in (1, 2):
+            run = self.run_config(ranks, config, *OPTIONS)
+            self.assertEqual(run.status, BAD_INPUT, str(run))
+            self.assertIn(run.path("coarse/refined.h5") + " has values outside the bounds 0.001 to 1.0 of /sequence/bounds",
+                          run.messages()[-1])
 
 
 if __name__ == "__main__":

@@ -18,10 +18,8 @@ namespace fabseq {
 struct CommandLine {
   std::string config_file;
   Task task = Task::optimize;
-  std::optional<std::string> output;       ///< -output
-  std::optional<std::string> design_file;  ///< -design
-  /// Of a run that is one of several starts: the design it begins with, by which nothing is scaled.
-  std::optional<std::string> start_file;
+  std::optional<std::string> output;         ///< -output
+  std::optional<std::string> design_file;    ///< -design
   std::optional<std::string> sequence_file;  ///< -sequence
   std::optional<std::string> restart;        ///< -restart: a directory, or "auto"
   std::optional<double> max_wall_time;       ///< -max_wall_time, seconds

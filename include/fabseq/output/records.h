@@ -69,6 +69,8 @@ Json to_record(const Summary& summary);
 Json to_record(const SequenceNumbers& numbers, const ModelSettings& settings);
 void add_members(Json& record, const SequenceNumbers& numbers, const ModelSettings& settings);
 Json to_record(const DisplacementSize& size);
+/// The constraint that is missed by most.
+Json to_record(const ConstraintMiss& miss);
 /// The block "repair".
 Json to_record(const RepairReport& repair);
 

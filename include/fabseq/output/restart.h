@@ -3,9 +3,9 @@
 /// -restart: which checkpoint a run continues from.
 #pragma once
 
-#include "fabseq/config/command_line.h"
 #include "fabseq/config/setup.h"
 #include "fabseq/files/checkpoint_state.h"
+#include "fabseq/output/run_place.h"
 
 #include <optional>
 #include <string>
@@ -20,11 +20,11 @@ struct Restart {
   CheckpointState state;
 };
 
-/// What -restart asks for; none for a new run, which -restart auto is where there is no checkpoint yet. Reads
-/// only. Throws InputError if there is no intact checkpoint, or one of another part or of a config that
+/// What a run continues from; none for a new one, which -restart auto is where there is no checkpoint yet.
+/// Reads only. Throws InputError if there is no intact checkpoint, or one of another part or of a config that
 /// differs in what matters (config_difference()), which it names. Collective.
 template <int Dim>
-std::optional<Restart> find_restart(const Setup<Dim>& setup, const CommandLine& command_line);
+std::optional<Restart> find_restart(const Setup<Dim>& setup, const RunPlace& place);
 
 /// Adds to a state what find_restart() compares: the config and a checksum of the part. Collective.
 template <int Dim>

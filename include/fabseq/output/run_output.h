@@ -22,15 +22,14 @@ template <int Dim>
 class RunOutput {
  public:
   /// Makes the directory and writes config.json; goes on with the files of the run that is continued, if one
-  /// is. All but `restart` must outlive the object.
-  RunOutput(const Setup<Dim>& setup, const CommandLine& command_line, const std::optional<Restart>& restart,
-            PhaseTimer& timer);
+  /// is. Setup and timer must outlive the object.
+  RunOutput(const Setup<Dim>& setup, const CommandLine& command_line, const RunPlace& place,
+            const std::optional<Restart>& restart, PhaseTimer& timer);
 
   const OutputDirectory& directory() const { return directory_; }
-  /// Keeps what is known of the designs that the run began with: of itself, or as the directory of another
-  /// run has it, of which this one is the next part.
+  /// Keeps what is known of the designs that the run began with; null: it began with one.
   void set_starts(const Json& record);
-  void take_starts(const std::string& directory);
+  const Json& starts() const { return starts_; }
   /// Keeps the planar baseline for comparison, and says what it is.
   void baseline(SequenceReport report, const std::string& solver);
   /// One iteration: history, progress line, and a field dump when it is due or a file `output_now` asks for
@@ -56,6 +55,8 @@ class RunOutput {
   /// File by which a user asks for fields and a checkpoint of the iteration under way.
   static constexpr const char* output_request = "output_now";
 
+  /// Takes over what the directory of an earlier run says of the designs that it began with.
+  void continue_starts(const std::string& directory);
   Summary summary(const RunEnd& end) const;
   void write_summary(const Summary& summary) const;
 

@@ -3,6 +3,7 @@
 
 #include "fabseq/config/command_line.h"
 #include "fabseq/config/setup.h"
+#include "fabseq/tasks/starting_design.h"
 
 #include <memory>
 #include <optional>
@@ -24,12 +25,9 @@ class CoarseGrid {
   explicit CoarseGrid(const Setup<Dim>& fine);
 
   const Setup<Dim>& setup() const { return *setup_; }
-  /// Command line of the coarse run of a fine one, whose output directory is `directory`.
-  CommandLine command_line(const CommandLine& fine, const std::string& directory) const;
-  /// Writes the design that the coarse run in `directory`/coarse came to as one of the fine grid, for
-  /// -design: each element has that of the coarse one it lies in. Returns the file's path. Collective on the
-  /// world of both.
-  static std::string refine(const Setup<Dim>& fine, const std::string& directory);
+  /// The design that the coarse run in `directory` came to, as one of the fine grid: each element has that
+  /// of the coarse one it lies in. Writes it there, too, for -design. Collective on the world of both.
+  FirstDesign refine(const Setup<Dim>& fine, const Design& design, const std::string& directory) const;
 
  private:
   std::unique_ptr<const Config> config_;

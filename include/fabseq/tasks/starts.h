@@ -27,13 +27,16 @@ class Starts {
   const Setup<Dim>& setup() const { return *short_; }
   /// The value of sequence.initial, as text.
   std::string name(std::size_t start) const { return to_text(whole_.config.optimizer.starts[start]); }
-  /// Writes the design of one for its run in the whole run's `directory`, and returns that run's command
-  /// line. Collective.
-  CommandLine command_line(const CommandLine& whole, const std::string& directory, std::size_t start) const;
+  /// Where one runs, of a run at `whole`. Collective.
+  RunPlace place(const RunPlace& whole, std::size_t start) const;
+  /// The design that one begins with, which is written into the directory of the whole run, too. Collective.
+  FirstDesign design(std::size_t start, const std::string& directory) const;
+  /// What the run of one in `directory` came to, for the run that goes on with it. Collective.
+  FirstDesign result(const Design& design, const std::string& directory) const;
 
  private:
   const Setup<Dim>& whole_;
-  std::vector<std::vector<double>> designs_;  ///< on the owned elements, [element][component]
+  std::vector<Design> designs_;  ///< of whole_
   std::unique_ptr<const Config> config_;
   std::unique_ptr<const Setup<Dim>> short_;
 };
@@ -44,12 +47,12 @@ template <int Dim>
 std::optional<Starts<Dim>> make_starts(const Setup<Dim>& setup, const CommandLine& command_line,
                                        bool on_coarse_grid);
 
-/// Optimizes each of the starts, and returns the command line of what comes after, whose -design is the best
-/// they come to: the feasible one of the smallest merit; if none is feasible, that with the smallest
-/// violation. Terms are scaled as from sequence.initial in all of them, so that merits compare. One that
-/// fails is left out, with a warning; the error of the last is thrown if all do. Collective.
+/// Optimizes each of the starts of a run at `place`, and returns the best design that they come to: the
+/// feasible one of the smallest merit; if none is feasible, that with the smallest violation. Terms are
+/// scaled as from sequence.initial in all of them, so that merits compare. One that fails is left out, with a
+/// warning; the error of the last is thrown if all do. Collective.
 template <int Dim>
-CommandLine begin_with_starts(const std::optional<Starts<Dim>>& starts, const CommandLine& command_line,
-                              RunOutput<Dim>& output, const Optimize<Dim>& optimize);
+FirstDesign begin_with_starts(const Starts<Dim>& starts, const CommandLine& command_line,
+                              const RunPlace& place, RunOutput<Dim>& output, const Optimize<Dim>& optimize);
 
 }  // namespace fabseq
