@@ -81,9 +81,8 @@ std::optional<std::vector<double>> fault_marks(const BuildFields& fields, const 
 
 template <int Dim>
 BuildReport check_layers(const Model<Dim>& model, const PseudoTime<Dim>& time, const LayerDensities& layers,
-                         std::vector<double> layer_index, bool with_places) {
-  MeasuredSequence<Dim> sequence{
-      .model = model, .time = time, .layers = layers, .layer_index = std::move(layer_index)};
+                         const std::vector<double>& layer_index, bool with_places) {
+  MeasuredSequence<Dim> sequence{.model = model, .time = time, .layers = layers, .layer_index = layer_index};
   return checked(sequence, with_places);
 }
 

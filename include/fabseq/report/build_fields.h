@@ -5,6 +5,7 @@
 #include "fabseq/part/part.h"
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace fabseq {

@@ -24,7 +24,7 @@ std::optional<std::vector<double>> fault_marks(const BuildFields& fields, const 
 /// `with_places`: with the places at which the checks fail. Collective.
 template <int Dim>
 BuildReport check_layers(const Model<Dim>& model, const PseudoTime<Dim>& time, const LayerDensities& layers,
-                         std::vector<double> layer_index, bool with_places);
+                         const std::vector<double>& layer_index, bool with_places);
 
 /// The checks of a pipeline's last run, of its binary layers whatever layers it ran with (docs/formulation.md
 /// 13.1). Collective.

@@ -17,9 +17,9 @@ template <int Dim>
 struct MeasuredSequence {
   const Model<Dim>& model;
   const PseudoTime<Dim>& time;
-  const LayerDensities& layers;     ///< for checks only time points, sub-parts and the number of layers count
-  std::vector<double> layer_index;  ///< the layer of each part element, from 1
-  TimeGradient gradient = {};       ///< find_direction() sets it, and the next
+  const LayerDensities& layers;  ///< for checks only time points, sub-parts and the number of layers count
+  std::vector<double> layer_index = {};       ///< the layer of each part element, from 1
+  TimeGradient gradient = {};                 ///< find_direction() sets it, and the next
   std::vector<double> direction = {};         ///< build_direction()
   const Pipeline<Dim>* pipeline = nullptr;    ///< null: layers that no pipeline has run with
   const PipelineState<Dim>* state = nullptr;  ///< of its last run; null with the pipeline
