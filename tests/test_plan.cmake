@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 # On how many ranks a test runs, what it costs and which labels it has. CONTRIBUTING.md says what to run when.
 
-# Tests that register a stage or a kind of sequence, which all others of the same program would see.
-set(FABSEQ_REGISTERING stage_mpi_test sequence_kind_mpi_test)
+# Tests that register a stage, a kind of sequence or a finding, which all others of the same program would see.
+set(FABSEQ_REGISTERING stage_mpi_test sequence_kind_mpi_test finding_mpi_test)
 
 # Rank counts of NAME_mpi_test of a module. On four ranks, a rank has neighbours along two axes and may be
 # left without work; elsewhere two ranks reach all code. Sanitizers look for paths: one count, a single rank

@@ -33,91 +33,19 @@ Json layer_table(const std::vector<LayerNumbers>& layers) {
   return table;
 }
 
-const char* name_of(GradientSource source) {
-  switch (source) {
-    case GradientSource::file:
-      return "file";
-    case GradientSource::differences:
-      return "differences";
-    case GradientSource::layer_differences:
-      return "layer_differences";
-    default:
-      return "sequence";
+/// Figures of all findings, the places where checks fail, and the sentences of each finding that has any.
+void add_findings(Json& record, const Found& found, const ModelSettings& settings) {
+  Json words = Json::object();
+  for (const auto& [finding, numbers] : found.entries()) {
+    numbers->add_record(record);
+    if (std::vector<std::string> sentences = numbers->words(); !sentences.empty())
+      words[finding] = std::move(sentences);
   }
-}
-
-Json checks_record(const BuildNumbers& numbers) {
-  const auto place = [](const MarkedElements& marked) {
-    return marked.at.empty() ? Json() : Json(marked.at);
-  };
-  Json blocked, tilt, thickness;
-  if (const auto& marked = numbers.blocked)
-    blocked = Json::object({{"elements", marked->elements},
-                            {"share", marked->share},
-                            {"deepest", marked->largest},
-                            {"at", place(*marked)},
-                            {"per_layer", marked->per_layer}});
-  if (numbers.tilt)
-    tilt = Json::object({{"largest", numbers.tilt->largest},
-                         {"beyond", numbers.tilt->beyond.elements},
-                         {"share", numbers.tilt->beyond.share},
-                         {"at", place(numbers.tilt->beyond)},
-                         {"per_layer", numbers.tilt->beyond.per_layer}});
-  if (const auto& range = numbers.local_thickness) {
-    thickness = Json::object({{"least", range->least},
-                              {"largest", range->largest},
-                              {"largest_at", range->largest_at},
-                              {"largest_is_meeting", range->largest_is_meeting},
-                              {"without_end", range->without_end.elements},
-                              {"share_outside", Json()}});
-    if (const auto& outside = range->outside) {
-      thickness["share_outside"] = outside->share;
-      thickness["worst"] = range->worst;
-      thickness["at"] = place(*outside);
-      thickness["per_layer"] = outside->per_layer;
-    }
+  if (found.places) {
+    record["places"] = to_record(*found.places, settings);
+    record["places_in_all"] = found.places->in_all;
   }
-  const auto marks_record = [&](const MarkedElements& marked) {
-    return Json::object(
-        {{"elements", marked.elements}, {"at", place(marked)}, {"per_layer", marked.per_layer}});
-  };
-  return Json::object({{"gradient", name_of(numbers.gradient)},
-                       {"blocked", blocked},
-                       {"tilt", tilt},
-                       {"local_thickness", thickness},
-                       {"late", numbers.late ? marks_record(*numbers.late) : Json()},
-                       {"hanging", marks_record(numbers.hanging)},
-                       {"interior_minima", marks_record(numbers.interior_minima)},
-                       {"interior_maxima", marks_record(numbers.interior_maxima)}});
-}
-
-void add_build(Json& record, const BuildNumbers& numbers, const ModelSettings& settings) {
-  record["checks"] = checks_record(numbers);
-  if (const auto& places = numbers.places) {
-    record["places"] = to_record(*places, settings);
-    record["places_in_all"] = places->in_all;
-  }
-  if (numbers.stock > 0.0) record["stock"] = numbers.stock;
-  if (numbers.wire) record["wire_mass"] = *numbers.wire;
-  if (numbers.hours) record["build_hours"] = *numbers.hours;
-  if (const auto& stress = numbers.stress)
-    record["stress"] =
-        Json::object({{"von_mises", stress->von_mises}, {"share_beyond_yield", stress->share_beyond_yield}});
-}
-
-Json temperature_record(const TemperatureNumbers& numbers) {
-  Json record = Json::object(
-      {{"highest", Json::object({{"value", numbers.highest.value}, {"layer", numbers.highest.layer}})},
-       {"hottest_element", Json()}});
-  if (const auto& hottest = numbers.hottest; hottest.layer > 0)
-    record["hottest_element"] =
-        Json::object({{"value", hottest.value}, {"layer", hottest.layer}, {"at", hottest.at}});
-  if (!numbers.pauses) return record;
-  Json pauses = Json::array();
-  for (const auto& pause : numbers.pauses->seconds) pauses.push_back(pause ? Json(*pause) : Json());
-  record["pauses"] = pauses;
-  record["build_hours"] = numbers.pauses->hours ? Json(*numbers.pauses->hours) : Json();
-  return record;
+  if (!found.entries().empty()) record["words"] = words;
 }
 
 Json sizes_record(const DisplacementSizes& sizes) {
@@ -202,9 +130,8 @@ void add_members(Json& record, const SequenceNumbers& numbers, const ModelSettin
   const Json of_own = deposition_record(own), of_other = other ? deposition_record(*other) : Json();
   record["deposition"] =
       Json::object({{"follow", is_nominal ? of_other : of_own}, {"nominal", is_nominal ? of_own : of_other}});
-  if (numbers.build) add_build(record, *numbers.build, settings);
+  add_findings(record, numbers.found, settings);
   if (numbers.verdict) record["verdict"] = to_record(*numbers.verdict);
-  if (numbers.part_temperature) record["interpass"] = temperature_record(*numbers.part_temperature);
   if (numbers.finished) record["finished"] = finished_record(*numbers.finished);
   if (!numbers.scenarios.empty()) record["scenarios"] = scenario_table(numbers.scenarios);
 }

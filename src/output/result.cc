@@ -22,8 +22,7 @@ void write_result(const Setup<Dim>& setup, const OutputDirectory& directory, con
   fields.add(setup.design_support.on_nodes(), "design", design, setup.design_support.components());
   add_sequence_fields(fields, setup.part, reports.optimized, "");
   add_displacements(fields, reports.binary, "binary/");
-  if (const auto& stress = reports.binary.build_fields.von_mises)
-    fields.add_elements("binary/von_mises", *stress, 1, &setup.part.elements());
+  add_build_fields(fields, setup.part, reports.binary.build_fields, "binary/");
   add_sequence_fields(fields, setup.part, baseline, "planar/");
   if (reports.start) add_sequence_fields(fields, setup.part, *reports.start, "start/");
   for (const Baseline& other : reports.baselines)

@@ -4,8 +4,9 @@
 #include "fabseq/base/formatted.h"
 
 #include <algorithm>
-#include <functional>
-#include <optional>
+#include <iterator>
+#include <string>
+#include <vector>
 
 namespace fabseq {
 
@@ -19,48 +20,41 @@ struct Row {
   const SequenceNumbers* sequence;
 };
 
-std::string number(const std::optional<double>& value, const char* format = "%.3g") {
-  return value ? formatted(format, *value) : "-";
-}
-
-std::optional<double> largest_tilt(const SequenceNumbers& of) {
-  return of.build && of.build->tilt ? std::optional(of.build->tilt->largest) : std::nullopt;
-}
-
-/// "0.53 to 1.4"
-std::string thickness_words(const SequenceNumbers& of) {
-  if (!of.build || !of.build->local_thickness) return "-";
-  const ThicknessRange& range = *of.build->local_thickness;
-  return formatted("%.2g to ", range.least) +
-         (range.largest_is_meeting ? "(fronts meet)" : formatted("%.2g", range.largest));
-}
-
-/// A column of the table. One without any value is left out.
+/// A column of the table, with a cell for each row; "-": no value.
 struct Column {
   std::string title;
-  std::function<std::string(const SequenceNumbers&)> cell;
+  std::vector<std::string> cells;
+  int rank = 0;  ///< of what findings add
 };
 
-std::vector<Column> columns(bool released, bool has_limit_of_tilt) {
-  const auto skin = [released](const SequenceNumbers& of) { return of.finished->deviation(released).skin; };
-  const auto hours = [](const SequenceNumbers& of) {
-    const auto& heat = of.part_temperature;
-    if (heat && heat->pauses) return heat->pauses->hours;  // with the pauses that keep the limit
-    return of.build ? of.build->hours : std::nullopt;
-  };
-  const auto interpass = [](const SequenceNumbers& of) {
-    const auto& heat = of.part_temperature;
-    return heat && heat->highest.layer > 0 ? std::optional(heat->highest.value) : std::nullopt;
-  };
-  return {
-      {"rms", [skin](const SequenceNumbers& of) { return number(skin(of).rms); }},
-      {"largest", [skin](const SequenceNumbers& of) { return number(skin(of).largest); }},
-      {"layers", [](const SequenceNumbers& of) { return std::to_string(of.used_layers()); }},
-      {"hours", [hours](const SequenceNumbers& of) { return number(hours(of)); }},
-      {has_limit_of_tilt ? "tilt" : "tilt (no limit)",
-       [](const SequenceNumbers& of) { return number(largest_tilt(of), "%.0f"); }},
-      {"interpass, deg C", [interpass](const SequenceNumbers& of) { return number(interpass(of), "%.0f"); }},
-      {"thickness", thickness_words}};
+/// What findings add: a sequence without a cell in one of their columns has no value there.
+std::vector<Column> columns_of_findings(const std::vector<Row>& rows) {
+  std::vector<Column> result;
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    for (const Found::Entry& entry : rows[i].sequence->found.entries())
+      for (const TableCell& cell : entry.numbers->cells(rows[i].sequence->found)) {
+        auto column = std::find_if(result.begin(), result.end(),
+                                   [&](const Column& other) { return other.title == cell.title; });
+        if (column == result.end())
+          column = result.insert(result.end(),
+                                 {cell.title, std::vector<std::string>(rows.size(), "-"), cell.rank});
+        column->cells[i] = cell.text;
+      }
+  std::stable_sort(result.begin(), result.end(),
+                   [](const Column& a, const Column& b) { return a.rank < b.rank; });
+  return result;
+}
+
+std::vector<Column> columns_of(const std::vector<Row>& rows, bool released) {
+  std::vector<Column> result = {{"rms", {}}, {"largest", {}}, {"layers", {}}};
+  for (const Row& row : rows) {
+    const DisplacementSize& skin = row.sequence->finished->deviation(released).skin;
+    result[0].cells.push_back(formatted("%.3g", skin.rms));
+    result[1].cells.push_back(formatted("%.3g", skin.largest));
+    result[2].cells.push_back(std::to_string(row.sequence->used_layers()));
+  }
+  std::ranges::move(columns_of_findings(rows), std::back_inserter(result));
+  return result;
 }
 
 /// A heading and a line for each row, the class of the sequence at its end.
@@ -71,11 +65,10 @@ std::vector<std::string> rows_of(const std::vector<Row>& rows, const ModelSettin
   std::size_t longest = 0;
   for (const std::string& line : lines) longest = std::max(longest, line.size());
   for (std::string& line : lines) line.resize(longest, ' ');
-  for (const auto& [title, cell] : columns(released, settings.tool.max_tilt < 180.0)) {
-    std::vector<std::string> cells = {title};
-    for (const Row& row : rows) cells.push_back(cell(*row.sequence));
-    if (std::all_of(cells.begin() + 1, cells.end(), [](const std::string& text) { return text == "-"; }))
-      continue;
+  for (Column& column : columns_of(rows, released)) {
+    std::vector<std::string>& cells = column.cells;
+    if (std::ranges::all_of(cells, [](const std::string& text) { return text == "-"; })) continue;
+    cells.insert(cells.begin(), column.title);
     std::size_t width = 0;
     for (const std::string& text : cells) width = std::max(width, text.size());
     for (std::size_t i = 0; i < cells.size(); ++i)
@@ -98,22 +91,7 @@ void add_some(std::vector<std::string>& lines, const std::vector<std::string>& t
 }
 
 std::int64_t places_in_all(const SequenceNumbers& of) {
-  return of.build && of.build->places ? of.build->places->in_all : 0;
-}
-
-/// What a sequence's checks go by where it has no gradient itself.
-std::string words_on_gradient(const SequenceNumbers& of) {
-  const std::string begin = "checks of direction and thickness: ";
-  switch (of.build ? of.build->gradient : GradientSource::sequence) {
-    case GradientSource::file:
-      return begin + "by the gradient recorded beside the times";
-    case GradientSource::differences:
-      return begin + "by differences of the elements' times, which come without a gradient";
-    case GradientSource::layer_differences:
-      return begin + "estimates, by differences of times that are no finer than layers";
-    default:
-      return "";
-  }
+  return of.found.places ? of.found.places->in_all : 0;
 }
 
 }  // namespace
@@ -130,8 +108,7 @@ std::vector<std::string> summary_table(const Summary& summary) {
   for (std::string& row : rows_of(rows, summary.settings, headline.released)) lines.push_back(std::move(row));
   add_some(lines, headline.places, most_places, places_in_all(reports.binary));
   std::vector<std::string> remarks(headline.words.begin() + 1, headline.words.end());
-  if (std::string words = words_on_gradient(reports.binary); !words.empty())
-    remarks.push_back(std::move(words));
+  std::ranges::move(reports.binary.found.words_in(ToldIn::table), std::back_inserter(remarks));
   lines.insert(lines.end(), remarks.begin(),
                remarks.begin() + static_cast<std::ptrdiff_t>(std::min(remarks.size(), most_remarks)));
   return lines;
@@ -144,11 +121,11 @@ std::vector<std::string> simulation_table(const SequenceNumbers& numbers, const 
   for (std::string& row : rows_of({{"simulated", &numbers}}, settings, released))
     lines.push_back(std::move(row));
   std::vector<std::string> places;
-  if (numbers.build && numbers.build->places)
-    for (const Place& place : numbers.build->places->largest)
-      places.push_back(words_of(place, *numbers.build->places, settings));
+  if (numbers.found.places)
+    for (const Place& place : numbers.found.places->largest)
+      places.push_back(words_of(place, *numbers.found.places, settings));
   add_some(lines, places, most_places, places_in_all(numbers));
-  if (std::string words = words_on_gradient(numbers); !words.empty()) lines.push_back(std::move(words));
+  std::ranges::move(numbers.found.words_in(ToldIn::table), std::back_inserter(lines));
   return lines;
 }
 

@@ -90,12 +90,8 @@ void print_responses(const SequenceNumbers& numbers) {
   }
 }
 
-void print_beyond_yield(const SequenceNumbers& numbers, const MaterialSettings& material) {
-  const auto& stress = numbers.build->stress;
-  if (!stress || stress->share_beyond_yield == 0.0) return;
-  print(formatted(
-      "residual stress, without plastic flow: up to %.4g, above the yield stress %.4g in %.3g %% of the part",
-      stress->von_mises, *material.yield_stress, 100.0 * stress->share_beyond_yield));
+void print_words(const SequenceNumbers& numbers, const std::string& finding) {
+  for (const std::string& sentence : numbers.found.words_of(finding)) print(sentence);
 }
 
 Terminal::Terminal(MPI_Comm comm, int max_iterations, bool on_terminal)

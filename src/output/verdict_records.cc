@@ -46,7 +46,7 @@ Json to_record(const Place& place, const FaultyPlaces& all, const ModelSettings&
 
 Json to_record(const Verdict& verdict) {
   Json reasons = Json::array();
-  for (const auto& [name, share, worst, at, words] : verdict.broken)
+  for (const auto& [name, share, worst, at, words, rank] : verdict.broken)
     reasons.push_back(
         Json::object({{"name", name}, {"share", share}, {"worst", worst}, {"at", at}, {"words", words}}));
   return Json::object({{"buildable", verdict.buildable()},
@@ -102,7 +102,7 @@ Json answer_record(const Headline& headline, const FinalReports& reports, const 
                        {"largest", headline.largest},
                        {"unit", settings.unit},
                        {"released", headline.released},
-                       {"places", to_record(*reports.binary.build->places, settings)},
+                       {"places", to_record(*reports.binary.found.places, settings)},
                        {"repaired", reports.repair ? reports.repair->changes.repaired : 0}});
 }
 

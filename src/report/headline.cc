@@ -40,8 +40,8 @@ class HeadlineWriter {
     add_comparison();
     add_largest();
     add_scaled_drawing();
-    add_stock();
-    for (const LateSet& set : reports_.binary.late_sets) result_.words.push_back(set.words());
+    for (std::string& words : reports_.binary.found.words_in(ToldIn::headline))
+      result_.words.push_back(std::move(words));
     add_places();
     return std::move(result_);
   }
@@ -128,17 +128,9 @@ class HeadlineWriter {
     result_.words.push_back(words);
   }
 
-  void add_stock() {
-    const auto& build = reports_.binary.build;
-    if (build && build->stock > 0.0)
-      result_.words.push_back(percent_words(build->stock) +
-                              " of the part is machining stock, to be machined away (stock)");
-  }
-
   void add_places() {
-    const auto& build = reports_.binary.build;
-    if (!build || !build->places) return;
-    const FaultyPlaces& all = *build->places;
+    if (!reports_.binary.found.places) return;
+    const FaultyPlaces& all = *reports_.binary.found.places;
     const std::vector<bool> shared = shared_roofs(all, sequences_);
     for (const bool told_last : {false, true})
       for (std::size_t i = 0; i < all.largest.size(); ++i)

@@ -85,8 +85,6 @@ void add_sequence_fields(FieldSet<Dim>& fields, const Part<Dim>& part, const Seq
     fields.add_elements(prefix + "time_gradient", report.time_gradient, Dim, &part.elements());
   fields.add_elements(prefix + "layer", report.layer, 1, &part.elements());
   add_build_fields(fields, part, report.build_fields, prefix);
-  if (report.part_temperature)
-    fields.add_elements(prefix + "interpass_temperature", report.interpass_temperature, 1, &part.elements());
   if (!report.temperature.empty()) fields.add_nodes(prefix + "temperature", report.temperature);
   if (!report.nodal_time.empty()) fields.add_nodes(prefix + "nodal_time", report.nodal_time);
   add_displacements(fields, report, prefix);
@@ -127,21 +125,12 @@ SequenceReport report_sequence(const Model<Dim>& model, const Problem<Dim>& prob
   report.layers = layer_numbers(model, state);
   report.depositions = report_depositions(model, problem, pipeline, state);
   report.scenarios = report_scenarios(model, problem, pipeline, state);
-  if (with_shape) {
-    report.finished = finished_shape(model, pipeline, state);
-    BuildReport build = report_build(model, pipeline, state, report.used_layers());
-    report.build = std::move(build.numbers);
-    report.verdict = judge(*report.build, model.settings);
-    if (model.settings.process.deposition == DepositionModel::nominal)
-      report.late_sets =
-          late_sets(model.part, model.node_sets, model.settings.objective, pipeline.last_layer_index());
-    report.build_fields = std::move(build.fields);
-  }
-  if (state.temperatures) {
-    TemperatureReport temperature = report_temperature(model, pipeline, state, with_shape);
-    report.part_temperature = std::move(temperature.numbers);
-    report.interpass_temperature = std::move(temperature.field);
-  }
+  if (with_shape) report.finished = finished_shape(model, pipeline, state);
+  BuildReport build = with_shape ? report_build(model, pipeline, state, report.used_layers())
+                                 : report_evaluation(model, pipeline, state);
+  report.found = std::move(build.numbers);
+  report.build_fields = std::move(build.fields);
+  if (with_shape) report.verdict = judge(report.found, model.settings);
   report.time = state.time->time;
   report.time_gradient = state.time->gradient.empty() ? state.time->recorded_gradient : state.time->gradient;
   report.layer = pipeline.last_layer_index();

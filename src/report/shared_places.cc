@@ -15,8 +15,8 @@ bool meet(const Place& a, const Place& b, double margin) {
 }
 
 bool has_roof_at(const SequenceNumbers& sequence, const Place& roof, double margin) {
-  if (!sequence.build || !sequence.build->places) return false;
-  const auto& places = sequence.build->places->largest;
+  if (!sequence.found.places) return false;
+  const auto& places = sequence.found.places->largest;
   return std::any_of(places.begin(), places.end(), [&](const Place& place) {
     return place.form == PlaceForm::roof && meet(place, roof, margin);
   });
@@ -36,8 +36,8 @@ std::vector<bool> shared_roofs(const FaultyPlaces& of, const std::vector<const S
 
 BuildClass class_beside(const SequenceNumbers& of, const std::vector<const SequenceNumbers*>& sequences,
                         const ToolSettings& tool) {
-  if (!of.build || !of.build->places) return of.verdict->build_class;
-  return class_without(*of.build->places, shared_roofs(*of.build->places, sequences), tool);
+  if (!of.found.places) return of.verdict->build_class;
+  return class_without(*of.found.places, shared_roofs(*of.found.places, sequences), tool);
 }
 
 }  // namespace fabseq

@@ -4,7 +4,7 @@
 #include "fabseq/base/session.h"
 #include "fabseq/chain/stages.h"
 #include "fabseq/machine/interior_extrema.h"
-#include "fabseq/report/layer_doubts.h"
+#include "fabseq/tasks/starting_design.h"
 #include "fabseq/tasks/tasks.h"
 #include "tasks/repaired_sequence.h"
 #include "tasks/sensitivity.h"
@@ -38,9 +38,7 @@ std::optional<SequenceReport> start_report(const Setup<Dim>& setup, const Proble
 /// Leaves what result.h5 has of binary layers, as reports take memory: displacements and stress.
 void drop_unwritten_fields(SequenceReport& binary) {
   binary.time = binary.time_gradient = binary.layer = binary.temperature = binary.nodal_time = {};
-  BuildFields written;
-  written.von_mises = std::move(binary.build_fields.von_mises);
-  binary.build_fields = std::move(written);
+  binary.build_fields.keep_binary();
 }
 
 /// By the layers that the best iterate was judged by.
@@ -197,8 +195,8 @@ RunOutcome finish(const Setup<Dim>& setup, const RunState<Dim>& run, Pipeline<Di
   const BestIterate& best = run.best;
   const FinalReports reports = final_reports(setup, run.problem, pipeline, best, timer);
   output.finish(run.end(), reports, best);
-  if (setup.config.output.stress) print_beyond_yield(reports.binary, setup.config.material);
-  for (const std::string& line : doubts_about_layers(*reports.binary.build)) warn(line);
+  if (setup.config.output.stress) print_words(reports.binary, "stress");
+  for (const std::string& line : reports.binary.found.doubts()) warn(line);
   if (setup.config.output.sensitivity)
     write_sensitivity_if_possible(setup, pipeline.sequence(), best, output.directory(), timer);
   return outcome_of(reports, best, output.starts());

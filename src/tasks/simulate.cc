@@ -14,7 +14,6 @@
 #include "fabseq/output/task_directory.h"
 #include "fabseq/output/terminal.h"
 #include "fabseq/process/residual_stress.h"
-#include "fabseq/report/layer_doubts.h"
 #include "fabseq/report/sequence_report.h"
 #include "fabseq/tasks/starting_design.h"
 #include "fabseq/tasks/tasks.h"
@@ -160,20 +159,20 @@ Json to_record(const Setup<Dim>& setup, const Simulation<Dim>& simulation, const
 }
 
 template <int Dim>
-void print_stress(const Simulation<Dim>& simulation, const MaterialSettings& material) {
+void print_stress(const Simulation<Dim>& simulation) {
   std::string line = formatted("largest equivalent stress %.4g", simulation.stress.extremes.von_mises);
   if (const auto& released = simulation.released)
     line += formatted(", after the release %.4g", released->extremes.von_mises);
   print(line);
-  print_beyond_yield(simulation.report, material);
+  print_words(simulation.report, "stress");
 }
 
 template <int Dim>
 void print_numbers(const Setup<Dim>& setup, const Simulation<Dim>& simulation) {
   for (const std::string& row : simulation_table(simulation.report, setup.settings)) print(row);
   print_responses(simulation.report);
-  if (setup.config.output.stress) print_stress(simulation, setup.config.material);
-  for (const std::string& line : doubts_about_layers(*simulation.report.build)) warn(line);
+  if (setup.config.output.stress) print_stress(simulation);
+  for (const std::string& line : simulation.report.found.doubts()) warn(line);
 }
 
 }  // namespace

@@ -44,6 +44,11 @@ class BuildReportTest(FabseqTest):
                 self.assertAlmostEqual(summary[block]["stress"]["von_mises"] / stress.max(), 1)
                 self.assertAlmostEqual(summary[block]["stress"]["share_beyond_yield"], np.mean(stress[part] > 1))
                 self.assertFalse(stress[~part].any())
+                share = 100 * summary[block]["stress"]["share_beyond_yield"]
+                self.assertEqual(summary[block]["words"]["stress"],
+                                 ["residual stress, without plastic flow: up to "
+                                  f"{stress.max():.4g}, above the yield stress 1 in {share:.3g} % of the part"])
+                self.check_words(summary[block])
             planar, binary = summary["baseline"], summary["binary"]
             self.assertEqual(planar["checks"]["hanging"]["elements"], 10)
             self.assertEqual(planar["checks"]["hanging"]["per_layer"], [0, 0, 0, 0, 10, 0])
@@ -63,6 +68,15 @@ class BuildReportTest(FabseqTest):
             material = run.json("config.json")["material"]
             self.assertEqual((material["name"], material["young"], material["poisson"]), ("steel", 200e3, 0.25))
             self.assertNotIn("source", material)
+
+    def check_words(self, block):
+        """What findings say is what the verdict and the figures say."""
+        words, thickness = block["words"], block["checks"]["local_thickness"]
+        for reason in block["verdict"]["reasons"]:
+            self.assertEqual(words[reason["name"]][0], reason["words"])
+        end = "fronts meet there" if thickness["largest_is_meeting"] else "a thick layer$"
+        self.assertRegex(words["local_thickness"][1], rf"^the largest local thickness is \S+ mm near \[[^\]]*\]: {end}")
+        self.assertTrue(set(words) <= {"hanging", "local_thickness", "stress", "late_sets"}, words)
 
     def check_block(self, block, fields, data):
         """The block's figures are those of the fields, and these are what they are called."""

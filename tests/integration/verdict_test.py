@@ -71,6 +71,7 @@ class VerdictTest(FabseqTest):
             self.assertAlmostEqual(reasons[name]["share"], share)
             self.assertEqual(reasons[name]["at"], checks[name]["at"])
             self.assertIn(reasons[name]["words"], verdict["words"])
+            self.assertEqual(reasons[name]["words"], block["words"][name][0])
         shares = [reason["share"] for reason in verdict["reasons"]]
         self.assertEqual(shares, sorted(shares, reverse=True))
         if "local_thickness" in reasons:

@@ -86,8 +86,7 @@ TEST(BuildClassTest, WordsNameSizePlaceAndCure) {
 
 SequenceNumbers sequence_with(const FaultyPlaces& places) {
   SequenceNumbers result;
-  result.build.emplace();
-  result.build->places = places;
+  result.found.places = places;
   return result;
 }
 

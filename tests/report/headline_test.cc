@@ -4,6 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
 namespace fabseq {
 namespace {
 
@@ -116,12 +121,28 @@ TEST(HeadlineTest, AlternativesAreOfTheSameClassOrABetterOne) {
   EXPECT_EQ(strict.alternative->ratio, 4.0);
 }
 
-TEST(HeadlineTest, SetsThatTheLastLayersBuildAreNamed) {
+/// A finding with a sentence.
+class Sentence : public FoundNumbers {
+ public:
+  Sentence(std::string words, ToldIn place) : words_(std::move(words)), place_(place) {}
+  void add_record(Json& /*block*/) const override {}
+  std::vector<std::string> words() const override { return {words_}; }
+  ToldIn told_in() const override { return place_; }
+
+ private:
+  std::string words_;
+  ToldIn place_;
+};
+
+TEST(HeadlineTest, FindingsOfTheHeadlineAreNamed) {
   SequenceReport binary = sequence(1.0, 0.9, true);
-  binary.late_sets = {{"edge", 1.0, 1}};
+  binary.found.add("a", std::make_shared<Sentence>("told", ToldIn::headline));
+  binary.found.add("b", std::make_shared<Sentence>("told in the table", ToldIn::table));
+  binary.found.add("c", std::make_shared<Sentence>("told last", ToldIn::headline));
   const Headline result = headline(binary, sequence(4.0, 3.9, true), sequence(2.0, 1.9, true));
-  EXPECT_EQ(result.words.back(), binary.late_sets[0].words());
-  EXPECT_EQ(result.words.back().find("the last layer builds 100 % of node set edge, which moves"), 0U);
+  ASSERT_EQ(result.words.size(), 3U);
+  EXPECT_EQ(result.words[1], "told");
+  EXPECT_EQ(result.words[2], "told last");
 }
 
 }  // namespace

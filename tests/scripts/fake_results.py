@@ -135,8 +135,9 @@ def add_temperatures(directory):
 
 
 def add_checks(directory, unit="mm"):
-    """Adds what a config with a unit, a yield stress and a deposition rate leaves: checks, build time,
-    stress, more planar layers, and the release. Six elements of the planar layers begin in the air."""
+    """Adds what a config with a unit, a yield stress and a deposition rate leaves: checks and what they say,
+    build time, stress, more planar layers, and the release. Six elements of the planar layers begin in the
+    air."""
     with h5py.File(os.path.join(directory, "result.h5"), "r+") as file:
         for prefix in {prefix for prefix in PREFIXES.values() if prefix + "layer" in file}:
             part = file["density"][:] > 0
@@ -150,11 +151,15 @@ def add_checks(directory, unit="mm"):
 
     def edit(summary):
         for k, block in enumerate(name for name in PREFIXES if name in summary):
-            count = 6 if block == "baseline" else 0
+            count, beyond = 6 if block == "baseline" else 0, 0.125 / (k + 1)
+            words = {"hanging": [f"{100 * count / part.sum():.2g} % of the part begins in the air (first near [1.5,0.5])"],
+                     "stress": ["residual stress, without plastic flow: up to 300, above the yield stress 250 in "
+                                f"{100 * beyond:.3g} % of the part"]}
             summary[block].update(
+                words={finding: sentences for finding, sentences in words.items() if count or finding != "hanging"},
                 checks={"local_thickness": {"least": 0.1, "largest": 0.1, "share_outside": 0.25},
                         "hanging": {"elements": count, "at": [1.5, 0.5] if count else None, "per_layer": [count]}},
-                wire_mass=2.5, build_hours=1.5 + k, stress={"von_mises": 300.0, "share_beyond_yield": 0.125 / (k + 1)})
+                wire_mass=2.5, build_hours=1.5 + k, stress={"von_mises": 300.0, "share_beyond_yield": beyond})
         summary["baseline_matched"] = {**summary["baseline"], "layers": summary["baseline"]["layers"][:7]}
 
     change(directory, "summary.json", edit)
@@ -185,8 +190,12 @@ def add_torch(directory, most_tilt=30.0):
                          "at": [1.5] * part.ndim if found else None, "per_layer": [found]},
                 tilt={"largest": largest, "beyond": int(beyond.sum()), "share": beyond.sum() / part.sum(), "at": None,
                       "per_layer": [int(beyond.sum())]})
+            told = {"blocked": (found, "is out of the torch's reach (by 0.4 mm near [1.5,1.5])"),
+                    "tilt": (beyond.sum(), f"is tilted beyond the limit ({largest:.3g} of {most_tilt:g} degrees near [1,2])")}
+            summary[block]["words"].update({finding: [f"{100 * count / part.sum():.2g} % of the part {words}"]
+                                            for finding, (count, words) in told.items() if count})
         if "baseline_matched" in summary:
-            summary["baseline_matched"]["checks"] = summary["baseline"]["checks"]
+            summary["baseline_matched"].update({key: summary["baseline"][key] for key in ("checks", "words")})
 
     change(directory, "summary.json", edit)
     change(directory, "config.json", lambda config: config.update(tool={"max_tilt": most_tilt}))

@@ -52,7 +52,7 @@ class TiltLimitTest(unittest.TestCase):
         self.assertTrue(rows["tilted by more than its limit, share of the part"].endswith(" %</td><td>–</td>"))
 
     def test_words(self):
-        self.assertIn("would tilt by more than 30 degrees", " ".join(check_sentences(self.limited)))
+        self.assertIn("is tilted beyond the limit (33.3 of 30 degrees near [1,2]).", " ".join(check_sentences(self.limited)))
 
     def test_views_of_a_report(self):
         for run, words in ((self.limited, "up to 33.3 degrees\""), (self.free, "up to 33.3 degrees, no limit\"")):

@@ -14,6 +14,7 @@ from fabseq_tools.report.report import ReportRun, page_of
 from fabseq_tools.report.words import violation
 from fabseq_tools.run import verdict_words as verdicts
 from fabseq_tools.run.answer_figures import figures_of
+from fabseq_tools.run.check_words import check_sentences
 from fabseq_tools.run.misses import worst_misses
 from fabseq_tools.run.read_run import Run
 
@@ -24,6 +25,8 @@ WORDS = ["the skin distorts 2.1 times less than in even layers",
          "skin, rms after the best rigid fit, as built: optimized 0.1 mm, even layers 0.21 mm"]
 MANY = "buildable but for 2 places"
 AIR = "25 % of the part begins in the air (first near [1,1])"
+OUTSIDE = "25 % of the part is out of thickness (worst where fronts meet near [1.5,0.5])"
+MEETING = "the largest local thickness is 9 mm near [1.5,0.5]: fronts meet there"
 EVEN = {"block": "baseline_even", "title": "even layers", "class": "buildable", "rms": 0.2, "largest": 2.0}
 PLACE = {"kind": "hanging", "words": "a roof of 12 x 3 mm near [1,2] begins in the air in layer 7: close it and drill"}
 
@@ -52,8 +55,8 @@ def add_verdicts(folder):
             "class": "buildable_but_for_places", "gain": 2.0, "rms": 0.1, "largest": 1.0, "unit": "mm", "released": False,
             "places": [PLACE], "repaired": 0,
             "best_alternative": EVEN}
-        thickness = summary["binary"]["checks"]["local_thickness"]
-        thickness.update(largest=9.0, largest_at=[1.5, 0.5], largest_is_meeting=True)
+        summary["binary"]["verdict"]["reasons"] = [{"name": "local_thickness", "words": OUTSIDE}]
+        summary["binary"]["words"] |= {"local_thickness": [OUTSIDE, MEETING], "late_sets": [WORDS[1]]}
         summary.update(headline={"words": WORDS}, feasible=False,
                        violated={"words": "tilt is 27 % of the part, smoothly counted, allowed at most 0.1 %"})
 
@@ -122,36 +125,25 @@ class VerdictWords(unittest.TestCase):
         fake_results.change(self.folder, "summary.json", release)
         self.assertEqual(figures_of(Run(self.folder))[0].rms, 7.0)
 
-    def test_results_without_classes_say_nothing(self):
-        def older(summary):
-            summary.pop("answer")
-            for block in ("baseline", "baseline_even", "binary"):
-                summary[block]["verdict"] = {"buildable": False, "words": "no: tilted", "reasons": []}
-
-        fake_results.change(self.folder, "summary.json", older)
-        run = Run(self.folder)
-        self.assertEqual((verdicts.buildable(run, "binary"), verdicts.answer_words(run), verdicts.answer_class(run)),
-                         (None, "", None))
-        page = page_of([ReportRun(self.folder)])
-        self.assertNotIn('<section id="answer"', page)
-        self.assertNotIn('<th scope="row">verdict</th>', page)
-
     def test_sentences_of_the_report(self):
         page = page_of([ReportRun(self.folder)])
         self.assertIn(f'<p class="headline">{WORDS[0].capitalize()}.</p>', page)
         for words in (f"{WORDS[1].capitalize()}.", f"Planar: not buildable: {AIR}.", "Even layers: buildable.",
                       "Constraint tilt is 27 % of the part, smoothly counted, allowed at most 0.1 %.",
-                      "The largest local thickness is 9 mm near [1.5, 0.5]: fronts meet there"):
+                      f"{MEETING.capitalize()}.", "Residual stress, without plastic flow: up to 300, above"):
             self.assertIn(words, page)
-        self.assertNotIn("flatters", page)
+        self.assertEqual(page.count(WORDS[1].capitalize()), 1)
         self.assertIn('<th scope="row">verdict</th>', page)
 
-    def test_a_thick_layer_is_none_of_fronts(self):
-        def edit(summary):
-            summary["binary"]["checks"]["local_thickness"]["largest_is_meeting"] = False
-
-        fake_results.change(self.folder, "summary.json", edit)
-        self.assertIn("near [1.5, 0.5]: a thick layer.", page_of([ReportRun(self.folder)]))
+    def test_sentences_of_findings(self):
+        """Those that neither headline nor verdict tell; of stress where the config asks for it."""
+        meeting, stress = sorted(check_sentences(Run(self.folder)), reverse=True)
+        self.assertEqual(meeting, f"{MEETING.capitalize()}.")
+        self.assertTrue(stress.startswith("Residual stress, without plastic flow"))
+        fake_results.change(self.folder, "config.json", lambda config: config.update(output={"stress": False}))
+        self.assertEqual(check_sentences(Run(self.folder)), [meeting])
+        fake_results.change(self.folder, "summary.json", lambda summary: summary["binary"]["words"].update(other=["found new"]))
+        self.assertEqual(check_sentences(Run(self.folder)), [meeting, "Found new."])
 
     def test_faults_are_named_as_in_the_files(self):
         """Numbers in the field, names in summary.json."""

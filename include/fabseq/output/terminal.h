@@ -16,9 +16,8 @@ bool stdout_is_terminal();
 
 /// A line per response, by the tasks that evaluate one design: its value, or the range of its components.
 void print_responses(const SequenceNumbers& numbers);
-/// Says in which share of the part the residual stress of a finished sequence is above the yield stress, if
-/// anywhere. No warning: with measured strains of steel it is nearly everywhere.
-void print_beyond_yield(const SequenceNumbers& numbers, const MaterialSettings& material);
+/// A line per sentence of the finding of that name, if there are any.
+void print_words(const SequenceNumbers& numbers, const std::string& finding);
 
 /// What an optimization says on the terminal, on rank 0.
 class Terminal {

@@ -6,8 +6,6 @@
 #include "fabseq/process/built_strain.h"
 #include "fabseq/report/build_report.h"
 #include "fabseq/report/finished_shape.h"
-#include "fabseq/report/late_sets.h"
-#include "fabseq/report/temperature_report.h"
 #include "fabseq/report/verdict.h"
 
 #include <cstdint>
@@ -47,12 +45,10 @@ struct SequenceNumbers {
   std::vector<NamedValue> responses;
   std::vector<LayerNumbers> layers;
   BothDepositions depositions;
-  std::vector<ScenarioNumbers> scenarios;              ///< of each distortion term; empty without scenarios
-  std::optional<FinishedShape> finished;               ///< where it was asked for
-  std::optional<BuildNumbers> build;                   ///< where the shape was asked for
-  std::optional<Verdict> verdict;                      ///< the same
-  std::vector<LateSet> late_sets;                      ///< of the objective; where the shape was asked for
-  std::optional<TemperatureNumbers> part_temperature;  ///< with a block `thermal`
+  std::vector<ScenarioNumbers> scenarios;  ///< of each distortion term; empty without scenarios
+  std::optional<FinishedShape> finished;   ///< where it was asked for
+  Found found;                             ///< checks and places only where the shape was asked for
+  std::optional<Verdict> verdict;          ///< where the shape was asked for
 
   /// First objective term.
   double first_objective() const { return responses.empty() ? 0.0 : responses[0].value; }
@@ -64,16 +60,15 @@ struct SequenceNumbers {
 
 /// Numbers and fields of a sequence, copied out of the pipeline.
 struct SequenceReport : SequenceNumbers {
-  std::vector<std::vector<double>> values;    ///< of each response
-  std::vector<double> time, layer;            ///< part fields
-  std::vector<double> time_gradient;          ///< [part element][axis]; empty: only differences are known
-  std::vector<double> temperature;            ///< on the owned nodes, or empty
-  std::vector<double> nodal_time;             ///< PseudoTime::nodal
-  std::vector<int> nodes;                     ///< ElasticModel::nodes: no others move
-  std::vector<double> displacement;           ///< [nodes][component]
-  BuildFields build_fields;                   ///< where the shape was asked for
-  std::vector<double> interpass_temperature;  ///< TemperatureReport::field, a part field; empty: none
-  BuiltStrain strain;                         ///< where it was asked for
+  std::vector<std::vector<double>> values;  ///< of each response
+  std::vector<double> time, layer;          ///< part fields
+  std::vector<double> time_gradient;        ///< [part element][axis]; empty: only differences are known
+  std::vector<double> temperature;          ///< on the owned nodes, or empty
+  std::vector<double> nodal_time;           ///< PseudoTime::nodal
+  std::vector<int> nodes;                   ///< ElasticModel::nodes: no others move
+  std::vector<double> displacement;         ///< [nodes][component]
+  BuildFields build_fields;                 ///< of the findings
+  BuiltStrain strain;                       ///< where it was asked for
 };
 
 /// Adds time, layer, displacements and, where there are any, the other fields to a set, names prefixed. Part

@@ -10,16 +10,6 @@
 
 namespace fabseq {
 
-/// A limit of the machine that a sequence does not keep, by the exact checks of its binary layers
-/// (docs/formulation.md 13.1).
-struct BrokenLimit {
-  std::string name;        ///< local_thickness, tilt, blocked or hanging, as in `checks` of summary.json
-  double share = 0.0;      ///< of the part's volume
-  double worst = 0.0;      ///< thickness over the target, degrees, length; of hanging elements their number
-  std::vector<double> at;  ///< centre of that element, [axis]
-  std::string words;  ///< "34 % of the part is out of thickness (worst 3.1 times the target near [1,2,3])"
-};
-
 /// The same on all ranks.
 struct Verdict {
   std::vector<BrokenLimit> broken;  ///< largest share first
@@ -34,9 +24,9 @@ struct Verdict {
   std::string words() const;
 };
 
-/// Judges by the limits that the config gives: what begins in the air, the torch's reach with `tool.profile`,
-/// `tool.max_tilt`, and `tool.thickness` where the layers have a target. Not collective.
-Verdict judge(const BuildNumbers& numbers, const ModelSettings& settings);
+/// Judges by the limits that findings say are broken, and by the places, of which the class follows. Not
+/// collective.
+Verdict judge(const Found& found, const ModelSettings& settings);
 
 /// A share as percents, never 0 where it is not: "34 %", "0.02 %".
 std::string percent_words(double share);

@@ -23,12 +23,12 @@ from fabseq_tools.report.torch_paths import SUMMARY as PATHS, paths
 from fabseq_tools.report.tradeoff import find_tradeoffs, tradeoff_charts, tradeoff_tables
 from fabseq_tools.report.views import packed_scene, views_of
 from fabseq_tools.report.words import headline, model_of, run_name, states_of, summary_line, unit_of, worst_case
-from fabseq_tools.run.check_words import check_sentences, result_of
+from fabseq_tools.run.check_words import check_sentences
 from fabseq_tools.run.command_line import RunError, parser_of
 from fabseq_tools.run.read_run import Run, read_fields, read_history, read_json
 from fabseq_tools.run.settings import NOT_COMPARED, flat
 from fabseq_tools.run.verdict_words import (answer_class, answer_words, gain_words, headline_sentences, missed_words,
-                                            thickest_sentence, verdict_sentences, why_not)
+                                            verdict_sentences, why_not)
 
 COMMAND = "report"
 
@@ -138,7 +138,7 @@ def sentences(run):
 def conclusions(run, several):
     """Sentences below the headline: of several runs only on what the run is about."""
     judged = why_not(run) if several else verdict_sentences(run, states_of(run))
-    return [worst_case(run), missed_words(run), *judged, thickest_sentence(run, result_of(run)), *check_sentences(run)]
+    return [worst_case(run), missed_words(run), *judged, *check_sentences(run)]
 
 
 def notes_of(runs, scene, factors):

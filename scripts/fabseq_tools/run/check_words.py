@@ -1,17 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""What the checks of a sequence (docs/formulation.md 13.1) say in words and figures, for the report and the
-overview."""
+"""What the findings of a sequence (docs/formulation.md 13.1) say: their sentences, as the program has written
+them, and their figures, for the report and the overview."""
 
 from fabseq_tools.run.read_run import target_thickness
-from fabseq_tools.run.words import alike, number, quantity
+from fabseq_tools.run.words import number, whole
 
 ANY_TILT = 180.0  # degrees: from here on tool.max_tilt is no limit
 USUAL_RANGE = [0.5, 1.5]  # of tool.thickness
-
-
-def hanging(run, state):
-    """How many elements begin in the air; None where the file does not tell."""
-    return run.summary.get(state, {}).get("checks", {}).get("hanging", {}).get("elements")
 
 
 def torch(run, state, check):
@@ -20,81 +15,14 @@ def torch(run, state, check):
 
 
 def check_sentences(run):
-    """Sentences on a sequence that gains nothing, on elements that begin in the air or that the torch does
-    not reach, on its tilt, and on stress beyond the yield stress."""
-    # Headline and verdicts of newer programs say more.
-    compared, judged = "headline" in run.summary, "verdict" in run.summary.get(result_of(run), {})
-    words = [*([] if compared else [gain_words, planar_words]), *([] if judged else [hanging_words, reach_words, tilt_words]),
-             stress_words]
-    return list(filter(None, (each(run) for each in words)))
-
-
-def gain_words(run):
-    """Nothing where the sequence is better than planar layers."""
-    if not {"baseline", "binary"} <= set(run.summary) or run.distortion_config.get("type") != "distortion":
-        return ""
-    planar, optimized = run.length("baseline"), run.length("binary")
-    if optimized < planar and not alike(planar, optimized):
-        return ""
-    return ("For what is measured there is nothing to gain from the sequence here: planar layers do as well or better. A drawing "
-            "that is scaled or compensated (fabseq-tools compensate) takes the distortion away.")
-
-
-def planar_words(run):
-    reasons = [words for words in (in_the_air(run, "baseline"), out_of_reach(run, "baseline")) if words]
-    if not reasons:
-        return ""
-    return f"The planar layers cannot be built as they are: {'; '.join(reasons)}. So a comparison with them flatters."
-
-
-def hanging_words(run):
-    """Of the layers that the run is about: how many begin in the air, or none where that is news."""
-    state = result_of(run)
-    if hanging(run, state):
-        return f"{in_the_air(run, state)}{', in the optimized layers' * (state == 'binary')}."
-    if hanging(run, state) == 0 and (state == "simulated" or hanging(run, "baseline")):
-        return f"No element{' of the optimized layers' * (state == 'binary')} begins in the air."
-    return ""
-
-
-def in_the_air(run, state):
-    """How many elements begin in the air, and where; nothing if none does."""
-    if not hanging(run, state):
-        return ""
-    count, place = hanging(run, state), near(run, run.summary[state]["checks"]["hanging"].get("at"))
-    return f"{count:,} element{'s begin' if count > 1 else ' begins'} in the air{f', the first {place}' * bool(place)}"
-
-
-def near(run, at):
-    return f"near [{', '.join(f'{x:.6g}' for x in at)}]{f' {run.unit}' * bool(run.unit)}" if at else ""
-
-
-def reach_words(run):
-    """Of the layers that the run is about, where there is a torch."""
-    state = result_of(run)
-    count = torch(run, state, "blocked").get("elements")
-    if count:
-        return f"{out_of_reach(run, state)}{', in the optimized layers' * (state == 'binary')}."
-    return f"The torch reaches all elements{' of the optimized layers' * (state == 'binary')}." if count == 0 else ""
-
-
-def out_of_reach(run, state):
-    """How many elements the torch does not reach, and where it is worst; nothing if it reaches all."""
-    found = torch(run, state, "blocked")
-    if not found.get("elements"):
-        return ""
-    many, place = found["elements"] > 1, near(run, found.get("at"))
-    return (f"{found['elements']:,} element{'s are' if many else ' is'} out of the torch's reach, {'the worst ' * many}by "
-            f"{quantity(found['deepest'], run.unit)}{f' {place}' * bool(place)}")
-
-
-def tilt_words(run):
-    state = result_of(run)
-    found = torch(run, state, "tilt")
-    if not found.get("beyond"):
-        return ""
-    return (f"The torch would tilt by more than {most_tilt(run)}, by {found['largest']:.3g} degrees at most, in "
-            f"{percent(found['share'])} of the part{', with the optimized layers' * (state == 'binary')}.")
+    """What findings say of the layers that the run is about (`words` of summary.json), beside headline and
+    verdict; of stress where the config asks for it."""
+    block = run.summary.get(result_of(run), {})
+    told = [*run.summary.get("headline", {}).get("words", []),
+            *(reason["words"] for reason in block.get("verdict", {}).get("reasons", []))]
+    asked = run.config.get("output", {}).get("stress")
+    return [whole(words) for finding, sentences in block.get("words", {}).items() if asked or finding != "stress"
+            for words in sentences if words not in told]
 
 
 def tilt_limit(run):
@@ -118,19 +46,6 @@ def largest_tilt(run, state):
 def share_beyond(run, state):
     """Of the part, with more tilt than the limit; None without one."""
     return torch(run, state, "tilt").get("share") if tilt_limit(run) else None
-
-
-def stress_words(run):
-    """Where the config asks for it: with a linear model it is beyond the yield stress nearly everywhere."""
-    share, with_planar = (run.summary.get(state, {}).get("stress", {}).get("share_beyond_yield")
-                          for state in (result_of(run), "baseline"))
-    if share is None or not run.config.get("output", {}).get("stress"):
-        return ""
-    limit = yield_words(run)
-    if share == 0:
-        return f"The residual stress is nowhere above {limit}."
-    planar = f" (with planar layers in {percent(with_planar)})" if with_planar is not None else ""
-    return f"The residual stress is above {limit} in {percent(share)} of the part{planar}, where a linear model overstates it."
 
 
 def yield_words(run=None):
@@ -197,5 +112,6 @@ def inner(*names):
 
 
 def largest_stress(run, state):
+    """Simulations tell it without a yield stress, too."""
     block = run.summary.get(state, {})
     return (block.get("stress") or block.get("residual_stress") or {}).get("von_mises")

@@ -29,7 +29,7 @@ def verdict(run, state):
 
 
 def class_of(found):
-    """Of a verdict's object; None where the summary has no classes."""
+    """Of a verdict's object; None of what is not judged."""
     return found.get("class")
 
 
@@ -131,19 +131,6 @@ def answer_sentences(run):
 def headline_sentences(run):
     """The first is the headline."""
     return [whole(words) for words in run.summary.get("headline", {}).get("words", [])]
-
-
-def thickest_sentence(run, state):
-    """The largest local thickness and its place, where some are out of range: a meeting of fronts is no
-    layer."""
-    found = run.summary.get(state, {}).get("checks", {}).get("local_thickness") or {}
-    if not found.get("share_outside") or not found.get("largest_at"):
-        return ""
-    place = ", ".join(f"{x:.4g}" for x in found["largest_at"])
-    size = "beyond all bounds" if found["largest"] is None else f"{found['largest']:.3g} {run.unit}".rstrip()
-    what = ("fronts meet there and the gradient of the time vanishes, so it is no thick layer" if found["largest_is_meeting"]
-            else "a thick layer")
-    return f"The largest local thickness is {size} near [{place}]: {what}."
 
 
 def misses_constraints(run):

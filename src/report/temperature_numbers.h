@@ -3,9 +3,10 @@
 /// What a sequence's heat amounts to (docs/formulation.md 14.2).
 #pragma once
 
-#include "fabseq/chain/pipeline.h"
+#include "fabseq/report/found_numbers.h"
 
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace fabseq {
@@ -24,21 +25,13 @@ struct PauseNumbers {
 };
 
 /// Figures of a sequence, the same on all ranks.
-struct TemperatureNumbers {
+struct TemperatureNumbers : FoundNumbers {
+  void add_record(Json& block) const override;
+  std::vector<TableCell> cells(const Found& all) const override;
+
   LayerTemperature highest;            ///< the highest of the interpass temperatures
   LayerTemperature hottest;            ///< the hottest element that stands when a layer begins
-  std::optional<PauseNumbers> pauses;  ///< where the config has an interpass limit
+  std::optional<PauseNumbers> pauses;  ///< where the config has an interpass limit; of full reports
 };
-
-struct TemperatureReport {
-  TemperatureNumbers numbers;
-  std::vector<double> field;  ///< of each part element when its binary layer's pause ends, degrees Celsius
-};
-
-/// Of a pipeline's last run, which must have temperatures. `with_pauses`: they take solves of their own.
-/// Collective.
-template <int Dim>
-TemperatureReport report_temperature(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
-                                     const StageResults<Dim>& state, bool with_pauses);
 
 }  // namespace fabseq

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "fabseq/report/temperature_report.h"
-
+/// \file
+/// Temperatures at which layers begin, and the pauses that keep them low, of runs with a block `thermal`.
+#include "fabseq/base/formatted.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/chain/part_temperature.h"
+#include "fabseq/report/finding.h"
+#include "report/temperature_numbers.h"
 
 #include <algorithm>
 #include <limits>
@@ -16,11 +19,11 @@ namespace {
 template <int Dim>
 class ElementTemperatures {
  public:
-  ElementTemperatures(const Model<Dim>& model, const Pipeline<Dim>& pipeline, const StageResults<Dim>& state)
-      : part_(model.part),
-        temperatures_(*state.temperatures),
-        ambient_(model.settings.thermal->ambient),
-        layer_(pipeline.last_layer_index()),
+  explicit ElementTemperatures(const MeasuredSequence<Dim>& sequence)
+      : part_(sequence.part()),
+        temperatures_(*sequence.state->temperatures),
+        ambient_(sequence.settings().thermal->ambient),
+        layer_(sequence.layer_index),
         field_(layer_.size(), 0.0) {
     for (int number = 0; number < temperatures_.count(); ++number) add_layer(number);
   }
@@ -73,23 +76,49 @@ PauseNumbers pause_numbers(const Model<Dim>& model, const LayerDensities& layers
   return result;
 }
 
+/// Of runs whose strain follows the temperature.
+struct MeasuredTemperature {
+  template <int Dim>
+  static std::optional<TemperatureNumbers> measure(const MeasuredSequence<Dim>& sequence,
+                                                   BuildFields& fields) {
+    const StageResults<Dim>& state = *sequence.state;
+    if (!state.temperatures) return std::nullopt;
+    const std::vector<double>& interpass = state.temperatures->interpass;
+    TemperatureNumbers result;
+    const auto highest = std::ranges::max_element(interpass);
+    result.highest = {*highest, static_cast<int>(highest - interpass.begin()) + 1, {}};
+    ElementTemperatures<Dim> elements(sequence);
+    result.hottest = elements.hottest();
+    fields.add({"interpass_temperature", std::move(elements).field()});
+    // They take solves of their own.
+    if (const auto limit = sequence.settings().thermal->interpass_limit; limit && sequence.with_shape)
+      result.pauses = pause_numbers(sequence.model, *state.densities, *limit);
+    return result;
+  }
+};
+
+const RegisteredFinding<MeasuredTemperature> registered_temperature({"interpass", 110,
+                                                                     MeasuredIn::evaluations});
+
 }  // namespace
 
-template <int Dim>
-TemperatureReport report_temperature(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
-                                     const StageResults<Dim>& state, bool with_pauses) {
-  const std::vector<double>& interpass = state.temperatures->interpass;
-  TemperatureReport report;
-  const auto highest = std::ranges::max_element(interpass);
-  report.numbers.highest = {*highest, static_cast<int>(highest - interpass.begin()) + 1, {}};
-  ElementTemperatures<Dim> elements(model, pipeline, state);
-  report.numbers.hottest = elements.hottest();
-  report.field = std::move(elements).field();
-  if (const auto limit = model.settings.thermal->interpass_limit; limit && with_pauses)
-    report.numbers.pauses = pause_numbers(model, *state.densities, *limit);
-  return report;
+void TemperatureNumbers::add_record(Json& block) const {
+  Json record = Json::object({{"highest", Json::object({{"value", highest.value}, {"layer", highest.layer}})},
+                              {"hottest_element", Json()}});
+  if (hottest.layer > 0)
+    record["hottest_element"] =
+        Json::object({{"value", hottest.value}, {"layer", hottest.layer}, {"at", hottest.at}});
+  if (pauses) {
+    Json seconds = Json::array();
+    for (const auto& pause : pauses->seconds) seconds.push_back(pause ? Json(*pause) : Json());
+    record["pauses"] = seconds;
+    record["build_hours"] = pauses->hours ? Json(*pauses->hours) : Json();
+  }
+  block["interpass"] = record;
 }
 
-FABSEQ_INSTANTIATE_FUNCTION(report_temperature);
+std::vector<TableCell> TemperatureNumbers::cells(const Found& /*all*/) const {
+  return {{30, "interpass, deg C", highest.layer > 0 ? formatted("%.0f", highest.value) : "-"}};
+}
 
 }  // namespace fabseq

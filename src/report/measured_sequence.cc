@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+#include "fabseq/report/measured_sequence.h"
+
+#include "fabseq/machine/build_direction.h"
+
+namespace fabseq {
+
+template <int Dim>
+void MeasuredSequence<Dim>::find_direction() {
+  gradient = time_gradient(model.part, time, layers);
+  direction = build_direction<Dim>(gradient.values, layers, layer_index);
+}
+
+FABSEQ_INSTANTIATE_STRUCT(MeasuredSequence);
+
+}  // namespace fabseq
