@@ -13,7 +13,7 @@ namespace fabseq {
 
 namespace {
 
-/// Since the machine started, in ticks.
+/// Times since the machine started, in ticks.
 struct Times {
   std::int64_t busy = 0, idle = 0;
 };

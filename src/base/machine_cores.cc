@@ -25,7 +25,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// For how long the first rank of a node looks, and the others sleep, so that they begin to wait for it,
+/// Times for which the first rank of a node looks, and the others sleep, so that they begin to wait for it,
 /// which takes a core, when it has looked. Linux counts in hundredths of a second.
 constexpr milliseconds looking{80}, sleeping{100};
 

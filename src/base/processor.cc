@@ -29,7 +29,7 @@ const char* missing_instructions() {
 
 void write_all(const char* text) { (void)!::write(STDERR_FILENO, text, std::strlen(text)); }
 
-/// Before all other constructors: 101 is the first priority that is free.
+/// Runs before all other constructors: 101 is the first priority that is free.
 [[gnu::constructor(101)]] void require_processor_first() { require_processor(); }
 
 }  // namespace

@@ -59,7 +59,7 @@ void take_room_for_blas() {
   dpotrf_("L", &one, &matrix, &one, &info);
 }
 
-/// Before MPI_Init: whether this process is the first of those that were started together.
+/// Tells, before MPI_Init, whether this process is the first of those that were started together.
 bool is_first_by_launcher() {
   for (const char* rank : {"OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK", "SLURM_PROCID"})
     if (const char* number = std::getenv(rank)) return std::string_view(number) == "0";

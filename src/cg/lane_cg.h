@@ -46,18 +46,18 @@ class LaneCg {
     Islands unknown;
     set_up(unknown);
   }
-  /// From now on K has a diagonal on top, one entry per node of the mesh; empty: none. Problems with one
-  /// operator only. The multigrid does not know of it: set_up_with() gives it coefficients that stand for it.
+  /// Puts a diagonal on top of K, one entry per node of the mesh; empty: none. Problems with one operator
+  /// only. The multigrid does not know of it: set_up_with() gives it coefficients that stand for it.
   void set_diagonal(LaneArray diagonal) { diagonal_ = std::move(diagonal); }
   /// set_up() with other coefficients of the multigrid than those of K.
   void set_up_with(const LaneArray& coefficients) {
     multigrid_->finest().coefficients().assign(coefficients.begin(), coefficients.end());
     positive_ = multigrid_->set_up();
   }
-  /// For a body that nothing holds, Width 1: from now on iterates in the space without rigid motions. Loads
-  /// must balance themselves. `motions` must outlive the solver.
+  /// Lets later solves iterate in the space without rigid motions, for a body that nothing holds, Width 1.
+  /// Loads must balance themselves. `motions` must outlive the solver.
   void keep_free_of(const FreeMotions<Problem::dim>& motions) { free_motions_ = &motions; }
-  /// In place of filling in and setting up: takes over the first `count` lanes of half(), and behind them the
+  /// Replaces filling in and setting up: takes over the first `count` lanes of half(), and behind them the
   /// same again, for further right-hand sides of these systems.
   void set_up_from_half(int count);
   /// Solves K u = f in the first `lanes` lanes; the others of `load` are ignored. Vectors as LaneOperator's,

@@ -31,8 +31,8 @@ struct LaneProgress {
   /// Ends lanes whose preconditioned residual is small enough, or no number. `size`: |M r|^2, `length`:
   /// |u|^2, of all ranks.
   void judge(const Scalars& size, const Scalars& length, const LaneStop& stop);
-  /// After a step of these lengths: ends lanes that were within LaneStop::reach before it, by what the step
-  /// says of the spectrum, too.
+  /// Ends lanes that were within LaneStop::reach before a step of these lengths, by what the step says of the
+  /// spectrum, too.
   void end_within_reach(const Scalars& alpha, const LaneStop& stop);
   /// Lane i becomes lane lanes[i] of another one, after a step.
   template <int Other>

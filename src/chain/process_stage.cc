@@ -20,7 +20,7 @@ std::unique_ptr<ElasticitySolver<Dim>> elasticity_solver(const Model<Dim>& model
                                 elastic.material.poisson, tolerance, model.lanes);
 }
 
-/// Its name in a checkpoint.
+/// Name of the expected work in a checkpoint.
 constexpr const char* expected_work_name = "process/expected_work";
 
 /// The functionals of displacements that a row consists of, as few as possible.

@@ -79,8 +79,8 @@ class TemperatureStage : public Stage<Dim> {
 /// Memory per node, measured for the sequence's solver (docs/developer/measuring.md): per lane or, on the
 /// reference path, all in all.
 constexpr double step_bytes_per_lane = 106.0, reference_step_bytes = 700.0;
-/// Of a solve with one right-hand side on one core, per node; and of a step and its adjoint, in units of a
-/// full block of layers. Measured on a V-shape of 125,000 nodes (docs/developer/measuring.md).
+/// Costs of a solve with one right-hand side on one core, per node; and of a step and its adjoint, in units
+/// of a full block of layers. Measured on a V-shape of 125,000 nodes (docs/developer/measuring.md).
 constexpr double seconds_per_node = 2.6e-7, reference_seconds_per_node = 2e-5, work_of_step = 0.03;
 
 /// A simulation and one adjoint: one group steps for all, and each has all temperatures.

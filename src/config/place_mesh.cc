@@ -58,9 +58,9 @@ Domain<3> box_around(const PlacedMesh& mesh, const BuildPlate& plate, const Poin
   return box;
 }
 
-/// Of the boxes with as few elements as possible along each axis across the plate's normal, and with one
-/// more, the one whose elements have nearest to the mesh's volume. In the smallest box, the outer elements
-/// are always half full at least, so that they would always be built. Where it ends at the mesh, it stays.
+/// Chooses, of the boxes with as few elements as possible along each axis across the plate's normal and with
+/// one more, the one whose elements have nearest to the mesh's volume. In the smallest box, the outer
+/// elements are always half full at least, so would always be built. Where it ends at the mesh, it stays.
 Domain<3> box_of_nearest_volume(MPI_Comm comm, const PlacedMesh& mesh, const MeshFile& description,
                                 const BuildPlate& plate, const Point<3>& element, const Point<3>& margin) {
   constexpr double better = 1e-6;  // by this share of the volume at least

@@ -168,7 +168,7 @@ class UnlikelyNumbers {
           formatted("degrees C, below thermal.vanishing, %g", vanishing));
   }
 
-  /// Of wire and arc: what melts it, and less than what evaporates it many times.
+  /// Checks wire and arc: the heat melts the wire, and is less than what evaporates it many times.
   void check_heat_input(const ThermalSettings& thermal, double capacity,
                         const ThermalProperties& properties) {
     if (!capacities.has(capacity) || properties.vanishing > hottest_solid) return;  // said elsewhere

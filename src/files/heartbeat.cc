@@ -27,7 +27,7 @@ void beat(const std::stop_token& end, int descriptor, std::chrono::milliseconds 
 
 using FileState = std::tuple<ino_t, off_t, time_t, long>;
 
-/// Of a file that is opened for it: network file systems then ask their server.
+/// Returns the state of a file that is opened for it: network file systems then ask their server.
 std::optional<FileState> state_of(const std::string& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) return std::nullopt;

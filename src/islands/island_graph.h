@@ -11,8 +11,8 @@
 
 namespace fabseq {
 
-/// When an element rises out of the sinking field: the stiffest first, to a fifth; of these the one with the
-/// lowest number in the whole box.
+/// Turn in which an element rises out of the sinking field: the stiffest first, to a fifth; of these the one
+/// with the lowest number in the whole box.
 struct RiseOrder {
   std::int64_t depth = std::numeric_limits<std::int64_t>::max();  ///< falls with the stiffness
   std::int64_t element = 0;
@@ -23,10 +23,10 @@ struct RiseOrder {
   bool operator<=(const RiseOrder& other) const { return !(other < *this); }
   /// The turn of an element of this stiffness, which is above 0.
   static RiseOrder of(double stiffness, std::int64_t element) { return {depth_of(stiffness), element}; }
-  /// By the exponent and two bits of the fraction.
+  /// Returns the depth by the exponent and two bits of the fraction.
   static std::int64_t depth_of(double stiffness);
   static constexpr std::int64_t depths = std::int64_t{1} << 13;  ///< -depth_of() is below
-  /// Before all others.
+  /// Returns the turn before all others.
   static constexpr RiseOrder earliest() { return {std::numeric_limits<std::int64_t>::min(), 0}; }
 };
 

@@ -25,7 +25,7 @@ class ElasticKernel {
   using Number = Real;
   /// Coefficients per element in memory: [element][lane].
   static constexpr int stride = Width;
-  /// Of the faces of so many elements.
+  /// Modes of the faces of so many elements.
   template <int Count>
   using Modes = FaceModes<Dim, components, Count * Width, Real>;
 

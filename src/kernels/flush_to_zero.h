@@ -7,7 +7,7 @@
 
 namespace fabseq {
 
-/// While it lives, this thread's results and operands below the normal range (1e-38 in single precision)
+/// Lifetime over which this thread's results and operands below the normal range (1e-38 in single precision)
 /// count as zero, where the processor can do so: far from a layer, residuals in single precision get that
 /// small, and calculating with what is left of them takes a hundred times as long.
 class FlushToZero {

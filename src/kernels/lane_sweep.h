@@ -191,7 +191,8 @@ class RowSweep {
     else
       add_pieces(i, forces, std::make_integer_sequence<int, group>());
   }
-  /// With one component, nodes that follow each other in the row do so in memory, and finish side by side.
+  /// Adds with one component: nodes that follow each other in the row do so in memory, and finish side by
+  /// side.
   [[gnu::always_inline]] void add_side_by_side(std::int64_t i, const Modes<group>& forces) const {
     using Values = Lanes<group * width, Number>;
 #pragma GCC unroll 4

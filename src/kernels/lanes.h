@@ -34,7 +34,7 @@ struct Lanes {
 
   Part part[parts];
 
-  /// From memory of any alignment, doubles or floats.
+  /// Loads from memory of any alignment, doubles or floats.
   template <class From>
   [[gnu::always_inline]] static Lanes load(const From* from) {
     Lanes result;
@@ -50,7 +50,7 @@ struct Lanes {
   }
   [[gnu::always_inline]] static Lanes zero() { return broadcast(Real{0}); }
 
-  /// To memory of any alignment, doubles or floats.
+  /// Stores to memory of any alignment, doubles or floats.
   template <class To>
   [[gnu::always_inline]] void store(To* to) const {
     for (int i = 0; i < parts; ++i)
@@ -103,7 +103,7 @@ struct Lanes {
  private:
   template <class Other>
   using PartOf __attribute__((vector_size(sizeof(Other) * part_width))) = Other;
-  /// In memory of any alignment, free to alias its numbers.
+  /// Part in memory of any alignment, free to alias its numbers.
   template <class Other>
   using LoosePart
       __attribute__((vector_size(sizeof(Other) * part_width), aligned(sizeof(Other)), may_alias)) = Other;
@@ -206,7 +206,7 @@ template <int Count, class Piece>
     return joined(joined_pieces<Count / 2>(piece, first), joined_pieces<Count / 2>(piece, first + Count / 2));
 }
 
-/// In double precision.
+/// Returns the lanes in double precision.
 template <int Width, class Real>
 [[gnu::always_inline]] inline Lanes<Width> widened(const Lanes<Width, Real>& lanes) {
   if constexpr (sizeof(Real) == sizeof(double)) {

@@ -9,7 +9,7 @@ namespace fabseq {
 
 namespace {
 
-/// Along the plate's normal, as an angle in 2D, elevation and azimuth in 3D.
+/// Returns the direction of the plate's normal, as an angle in 2D, elevation and azimuth in 3D.
 std::vector<double> normal_angles(const BuildPlate& plate, int dimension) {
   const double half_turn = std::numbers::pi, sign = plate.upper ? -1.0 : 1.0;
   if (plate.axis == dimension - 1)

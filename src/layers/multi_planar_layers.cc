@@ -191,8 +191,8 @@ void MultiPlanarLayers<Dim>::set_densities(std::span<const double> time, LayerDe
   densities.layer.resize(count);
 }
 
-/// With the sum over the stages from j on, G_j = sum_{k >= j} dJ/d(rho_stage,k), and g_j = G_j +
-/// dJ/d(drho_j): dJ/dE_i = sum_j rho E_ij g_j and dJ/dE_ij = rho E_i g_j, also for slabs that are no layers.
+/// Computes, with the sum over the stages from j on, G_j = sum_{k >= j} dJ/d(rho_stage,k), and g_j = G_j +
+/// dJ/d(drho_j), dJ/dE_i = sum_j rho E_ij g_j and dJ/dE_ij = rho E_i g_j, also for slabs that are no layers.
 template <int Dim>
 typename MultiPlanarLayers<Dim>::FieldDerivatives MultiPlanarLayers<Dim>::derivatives_of_fields(
     std::span<const double> height, int sub_part, const LayerDensities& densities,

@@ -28,7 +28,7 @@ class Spreading {
 
   /// Gives a value to an element without feet, which keeps it. Local.
   void set(std::size_t e, double value) { values_[e] = value; }
-  /// Until nothing changes on any rank. `value_of(value)`: what a foot with it counts as.
+  /// Spreads values until nothing changes on any rank. `value_of(value)`: what a foot with it counts as.
   /// Collective.
   template <class ValueOf>
   void spread(const ValueOf& value_of) {

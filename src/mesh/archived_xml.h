@@ -12,7 +12,7 @@ namespace fabseq {
 
 class ZipArchive;
 
-/// Of what is whole in a file but not read here.
+/// Error about what is whole in a file but not read here.
 class NotReadError : public InputError {
  public:
   using InputError::InputError;

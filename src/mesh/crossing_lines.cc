@@ -14,7 +14,7 @@ namespace {
 
 using Triangle = std::array<Point<3>, 3>;
 
-/// Of length 1; 0 for a triangle without area.
+/// Returns the normal of length 1; 0 for a triangle without area.
 Point<3> unit_normal(const Triangle& t) {
   Point<3> normal = cross(difference(t[1], t[0]), difference(t[2], t[0]));
   const double length = norm(normal);
@@ -99,7 +99,7 @@ struct BoxedTriangle {
   std::size_t number;
 };
 
-/// Those triangles of a mesh that come near a box, in the order of their lower ends along x.
+/// Returns those triangles of a mesh that come near a box, in the order of their lower ends along x.
 std::vector<BoxedTriangle> triangles_near(const TriangleMesh& mesh, const Bounds& box) {
   std::vector<BoxedTriangle> result;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {

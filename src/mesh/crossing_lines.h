@@ -8,7 +8,7 @@
 
 namespace fabseq {
 
-/// From one point to another.
+/// Line from one point to another.
 using Segment = std::array<Point<3>, 2>;
 
 /// Where two surfaces meet: for each triangle of both, the segments along which triangles of the other one

@@ -11,8 +11,8 @@ namespace fabseq {
 
 namespace {
 
-/// In elements: far above rounding, far below what the samples of an element see. Without it, a face between
-/// two elements that lies in the surface might belong to neither.
+/// Tolerance in elements: far above rounding, far below what the samples of an element see. Without it, a
+/// face between two elements that lies in the surface might belong to neither.
 constexpr double tolerance = 1e-6;
 
 /// Marks the elements that one triangle touches. Everything is in elements, relative to its first corner:

@@ -92,7 +92,7 @@ class Cut {
     }
   }
 
-  /// About the radius of the largest circle in a convex polygon.
+  /// Returns about the radius of the largest circle in a convex polygon.
   static double width_of(const Polygon3& polygon) {
     Point<3> area{};
     double around = 0.0;

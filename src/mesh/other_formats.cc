@@ -41,7 +41,7 @@ constexpr Known by_bytes[] = {
     {"\xfe\xff"sv, "text in UTF-16: save it as ASCII or UTF-8"},
 };
 
-/// In lower case, behind white space.
+/// Beginnings in lower case, behind white space.
 constexpr Known by_text[] = {
     {"version https://git-lfs"sv, "a pointer of Git LFS, not the file itself: `git lfs pull` fetches it"},
     {"<!doctype html"sv, "an HTML page: perhaps a download that needs a login"},
@@ -61,7 +61,7 @@ constexpr Known by_text[] = {
     {"casca"sv, "an OpenCASCADE file (BREP)"},
 };
 
-/// In lower case, for what only its name tells.
+/// Endings in lower case, for what only its name tells.
 constexpr Known by_ending[] = {
     {".off"sv, "an OFF file"},
     {".unv"sv, "an I-DEAS file (UNV)"},

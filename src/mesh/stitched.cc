@@ -69,7 +69,7 @@ class PointsOnEdges {
     std::sort(sorted_.begin(), sorted_.end());
   }
 
-  /// Those strictly between `from` and `to`, in this order.
+  /// Returns the points strictly between `from` and `to`, in this order.
   std::vector<std::int32_t> between(std::int32_t from, std::int32_t to) const {
     const Point<3>& start = points_[from];
     const Point<3> edge = difference(points_[to], start);
@@ -93,7 +93,7 @@ class PointsOnEdges {
   }
 
  private:
-  /// Along a direction across which no face of a usual part lies.
+  /// Returns the coordinate along a direction across which no face of a usual part lies.
   static double along(const Point<3>& point) { return dot(point, Point<3>{0.6173, 0.5191, 0.5911}); }
 
   const std::vector<Point<3>>& points_;

@@ -32,7 +32,7 @@ class TextWords {
 };
 
 std::string lower_case(std::string_view text);
-/// Without the byte order mark that some programs write first.
+/// Leaves out the byte order mark that some programs write first.
 std::string_view without_mark(std::string_view text);
 
 /// Rounds coordinates to single precision, as far as the points lie no further from the origin than some

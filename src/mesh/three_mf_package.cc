@@ -77,7 +77,7 @@ std::string archive_without_model(const ZipArchive& archive) {
   return "a ZIP archive without a model, needs an intact 3MF file";
 }
 
-/// Without relations to what is not there, such as the picture that a slicer's command line names and does
+/// Leaves out relations to what is not there, such as the picture that a slicer's command line names and does
 /// not make. Those to models stay.
 std::vector<Relation> without_missing(const std::vector<Relation>& relations, const ZipArchive& archive) {
   std::vector<Relation> result;

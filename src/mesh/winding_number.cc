@@ -14,7 +14,7 @@ namespace {
 /// Triangles are far away from this many radii of their node on; error and effort of a walk balance near 2
 /// (Barill et al. 2018, section 4).
 constexpr double accuracy = 2.0;
-/// With fewer triangles in a leaf, the nodes would take more memory than the triangles.
+/// Triangles in a leaf: with fewer, the nodes would take more memory than the triangles.
 constexpr std::size_t leaf_size = 8;
 
 /// tan of half the solid angle of a triangle at the origin, as `sine` / `cosine` up to a common positive

@@ -14,8 +14,9 @@ int baseline_count(const BaselineSettings& settings, const LayerModel<Dim>& laye
   return settings.layers ? *settings.layers : layers.planar_count(planar_height(part, settings.direction));
 }
 
-/// As asked; else what is built, where that saves time and hardly changes a value (docs/formulation.md 4.8).
-/// A single block has everything, and ranks that share the box would wait for those that have more of it.
+/// Chooses as asked; else what is built, where that saves time and hardly changes a value
+/// (docs/formulation.md 4.8). A single block has all, and ranks that share the box would wait for those with
+/// more of it.
 SolverRegion region_of_iterations(const ModelSettings& settings, const LayerTraits& layers,
                                   int domain_ranks) {
   constexpr double least_sharpness = 2.0;  // over the number of layers: below, values change by up to 1e-4

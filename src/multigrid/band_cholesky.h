@@ -42,7 +42,7 @@ class BandCholesky {
   int bandwidth() const { return bandwidth_; }
   /// The last row where a column of the factor is not zero.
   int last_row(int column) const;
-  /// Of the lower triangle, after factor() of the factor; zero outside the band and below the last row.
+  /// Returns the lower triangle's, after factor() the factor's; zero outside the band and below the last row.
   double entry(int row, int column) const {
     if (row - column > bandwidth_ || row >= size_) return 0.0;
     return band_[static_cast<std::size_t>(column) * (bandwidth_ + 1) + row - column];

@@ -32,8 +32,8 @@ class BandFactor {
  private:
   static constexpr std::size_t panel = 8;
   static std::size_t panels(std::size_t size) { return (size + panel - 1) / panel; }
-  /// Of a panel: its triangle's inverse by columns, then by rows, then what is below the triangle, as squares
-  /// of eight rows and columns; squares are stored by columns.
+  /// Returns the place of a panel: its triangle's inverse by columns, then by rows, then what is below the
+  /// triangle, as squares of eight rows and columns; squares are stored by columns.
   const Real* place(std::size_t number) const { return &values_[starts_[number]]; }
   /// Where an entry is among those below a triangle.
   static constexpr std::size_t below(std::size_t row, std::size_t column) {

@@ -18,7 +18,7 @@ class LaneLayout {
   /// The grid must outlive the layout.
   LaneLayout(const Grid<Dim>& grid, const LaneLevel<Dim>& level, int components);
 
-  /// To [node][component][lane] with `width` lanes; lanes beyond those of `owned` become 0.
+  /// Copies to [node][component][lane] with `width` lanes; lanes beyond those of `owned` become 0.
   void to_mesh(const LaneVector& owned, int width, LaneArray& mesh) const;
   /// Back; nodes that are not in the mesh become 0.
   void to_owned(const LaneArray& mesh, int width, LaneVector& owned) const;

@@ -34,14 +34,14 @@ class LaneMultigrid {
   LaneMultigrid(LaneHierarchy<dim>& hierarchy, const Problem& problem, const LaneCycle& cycle);
 
   Operator& finest() { return *levels_.front().matrix; }
-  /// To be called when the finest level's coefficients have been filled in. False in lanes whose last level
-  /// is not positive definite: their operators are not, either.
+  /// Sets up all levels once the finest level's coefficients have been filled in. False in lanes whose last
+  /// level is not positive definite: their operators are not, either.
   std::array<bool, Width> set_up();
   /// Takes over lanes of a wider multigrid on the same hierarchy, without setting up.
   template <int Wider>
   void select(LaneMultigrid<Problem, Wider, Real>& from, std::span<const int> lanes);
 
-  /// From now on with more steps on the coarse levels, or not; only for flexible methods.
+  /// Sets whether coarse levels take more steps from now on; only for flexible methods.
   void be_patient(bool patient) { patient_ = patient; }
   /// x = M b.
   void apply(const Real* b, Real* x) { visit(0, b, x); }

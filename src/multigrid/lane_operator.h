@@ -71,7 +71,7 @@ class LaneOperator {
   static constexpr std::size_t cache_bytes = std::size_t{1} << 22;
   using Value = Lanes<Width, Real>;
 
-  /// Of a node or, with one component, of several that follow each other: as many lanes as `Loaded` has.
+  /// Loads a node or, with one component, several that follow each other: as many lanes as `Loaded` has.
   template <class Loaded = Value>
   [[gnu::always_inline]] static std::array<Loaded, components> load(const Real* from) {
     std::array<Loaded, components> values;

@@ -99,8 +99,8 @@ class NodeScaling {
         return Lanes<Width, Real>::broadcast(from[k]);
       });
   }
-  /// Of one component that all lanes share; empty for others. Along the rows this takes a fifth of the time
-  /// that a search for each node's elements does.
+  /// Returns the diagonal of one component that all lanes share; empty for others. Along the rows this takes
+  /// a fifth of the time that a search for each node's elements does.
   static std::vector<double> diagonal_of_rows(const LaneMesh<Problem::dim>& mesh,
                                               const typename Problem::Matrices& matrices,
                                               const Real* coefficients) {

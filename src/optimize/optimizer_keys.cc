@@ -23,7 +23,7 @@ Section<MmaSettings> asymptote_keys() {
       .key("floor", &Its::asymptote_floor, "Least distance over the variable's range", {.range = "(0, 10]"});
 }
 
-/// When and how a run ends.
+/// Adds the keys for when and how a run ends.
 void add_ends(Section<OptimizerSettings>& keys) {
   using Its = OptimizerSettings;
   keys.key("max_iterations", &Its::max_iterations, "Iterations at most",

@@ -19,7 +19,7 @@ namespace {
 /// A functional whose square is a smaller share of the term stays in the rest: it vanishes by symmetry, as a
 /// rule, and would cost an adjoint for nothing.
 constexpr double least_share = 1e-6;
-/// Unless asked for, functionals that together hold less of the term do not pay for their adjoints
+/// Share of the term: functionals that together hold less do not pay for their adjoints, unless asked for
 /// (docs/formulation.md 9).
 constexpr double worthwhile_share = 0.5;
 /// Nothing is gained where a term has fallen below this share of its first value, a millionth in

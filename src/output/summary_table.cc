@@ -79,7 +79,7 @@ std::vector<std::string> rows_of(const std::vector<Row>& rows, const ModelSettin
   return lines;
 }
 
-/// At most so many, then how many more there are.
+/// Adds at most so many, then how many more there are.
 void add_some(std::vector<std::string>& lines, const std::vector<std::string>& texts, std::size_t most,
               std::int64_t in_all) {
   const std::size_t told = std::min(most, texts.size());

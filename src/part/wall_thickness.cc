@@ -16,7 +16,7 @@ namespace {
 constexpr int deep = 3;
 /// Elements in a tip of this length and of so many elements more as it is deep are not looked at.
 constexpr int tip = 2;
-/// Of elements around a rank's own: those that can be near, and those that decide how deep they lie.
+/// Elements around a rank's own: those that can be near, and those that decide how deep they lie.
 constexpr int halo_width = 6;
 
 /// All steps to the elements around one, over faces, edges and corners; the second half is the first one

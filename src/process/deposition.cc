@@ -8,7 +8,7 @@ namespace fabseq {
 
 namespace {
 
-/// Of all factors but one each, without a division: some are 0.
+/// Returns the products of all factors but one each, without a division: some are 0.
 template <std::size_t Count>
 std::array<double, Count> products_of_others(const std::array<double, Count>& factors) {
   std::array<double, Count> result;

@@ -50,7 +50,7 @@ class ElasticAdjoint : public StepLoads {
   void take(std::size_t block, std::size_t side, LaneVector& solution) override;
 
  private:
-  /// By the adjoints of a block, if it has any, and through the weights.
+  /// Adds what comes from the adjoints of a block, if it has any, and from the weights.
   void add_derivatives(std::size_t block, const ElasticFunctional& functional, const LaneVector* adjoint);
 
   const ElasticRun<Dim>& run_;

@@ -17,7 +17,7 @@ struct SolveCount {
   /// Notes solves of a block of steps. Throws NumericalError naming the layer of the first of them that did
   /// not converge, as a solve of the kind `what`. Not collective.
   void add(const std::vector<SolveReport>& reports, const BlockRegion& block, const char* what);
-  /// From now on of all groups. Collective on the world, in one message.
+  /// Makes the counts those of all groups. Collective on the world, in one message.
   void gather(const LayerGroups& groups);
 
   std::vector<int> largest;  ///< of each step's solves

@@ -206,8 +206,8 @@ void StepElements<Dim>::add_derivatives(const LayerDensities& densities, const S
   }
 }
 
-/// With strains eps_jc and the unit loads f_c: lambda_j^T f_0 = sum_c eps_jc lambda_j^T f_c, and
-/// dJ/d(eps_jc) = -drho_j^q lambda_j^T f_c.
+/// Adds derivatives with respect to strains eps_jc of unit loads f_c: lambda_j^T f_0 = sum_c eps_jc
+/// lambda_j^T f_c, and dJ/d(eps_jc) = -drho_j^q lambda_j^T f_c.
 template <int Dim>
 template <int Width>
 void StepElements<Dim>::add_strain_derivatives(const LayerDensities& densities, const Strains& strains,

@@ -35,7 +35,7 @@ void TurnedStrain<Dim>::set_strain(const double* g, double regularization, doubl
   }
 }
 
-/// With s = |g|^2 + eps^2: d(g_a g_b / s) = (dg_a g_b + g_a dg_b) / s - 2 g_a g_b (g . dg) / s^2.
+/// Uses s = |g|^2 + eps^2: d(g_a g_b / s) = (dg_a g_b + g_a dg_b) / s - 2 g_a g_b (g . dg) / s^2.
 template <int Dim>
 void TurnedStrain<Dim>::add_derivative(const double* g, double regularization, const double* d_strain,
                                        double* d_g) const {

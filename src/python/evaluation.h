@@ -48,9 +48,9 @@ class Evaluation {
   virtual std::vector<double> start() const = 0;
   /// `beta`: sharpness of the layers; none: that of a run's first iteration.
   virtual std::vector<NamedValue> evaluate(std::span<const double> design, std::optional<double> beta) = 0;
-  /// Of these components, or of all without names, at the last evaluated design.
+  /// Returns the gradients of these components, or of all without names, at the last evaluated design.
   virtual NamedGradients gradients(const std::vector<std::string>& names) = 0;
-  /// Of the last evaluated design.
+  /// Returns the fields of the last evaluated design.
   virtual std::vector<WholeField> fields() = 0;
 };
 

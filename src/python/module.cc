@@ -106,8 +106,8 @@ py::dict fields(const py::object& self) {
       });
 }
 
-/// Before Python takes its modules apart. Whoever has begun MPI ends it later. Of several ranks, the fork of
-/// a process leaves all of it to that process.
+/// Ends the runtime before Python takes its modules apart. Whoever has begun MPI ends it later. Of several
+/// ranks, the fork of a process leaves all of it to that process.
 void end_runtime() {
   Runtime& now = runtime();
   now.ended = true;

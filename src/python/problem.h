@@ -130,7 +130,7 @@ class GivenConfig {
         {{"config", document_ ? *document_ : Json(one_line(command_line_.config_file))}, {"set", set}});
   }
 
-  /// With the files and the order of members of rank 0. Collective on the ranks.
+  /// Reads the config with the files and the order of members of rank 0. Collective on the ranks.
   Config read() const {
     if (!document_) return read_config(PETSC_COMM_WORLD, command_line_);
     const std::string text = broadcast(PETSC_COMM_WORLD, to_text(*document_));

@@ -16,7 +16,7 @@ struct CutTime {
   PseudoTime<Dim> time;
   LayerDensities densities;
   std::vector<double> layer;  ///< of each part element, from 1
-  /// By how much each part element fails each check, > 0 where it does; empty: the check is not made.
+  /// Amounts by which each part element fails each check, > 0 where it does; empty: the check is not made.
   std::array<std::vector<double>, all_faults.size()> marks;
   std::array<std::int64_t, all_faults.size()> failing{};  ///< elements over all ranks
 

@@ -13,7 +13,7 @@ namespace fabseq {
 
 namespace {
 
-/// By how much more an element counts after each step that leaves it failing.
+/// Growth of an element's weight after each step that leaves it failing.
 constexpr double growth = 1.1;
 
 }  // namespace

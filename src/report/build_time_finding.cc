@@ -28,7 +28,7 @@ class BuildTimeNumbers : public FoundNumbers {
     if (hours_) block["build_hours"] = *hours_;
   }
 
-  /// With the pauses that keep the interpass temperature, where they are known.
+  /// Returns the hours with the pauses that keep the interpass temperature, where they are known.
   std::vector<TableCell> cells(const Found& all) const override {
     const auto* heat = all.find<TemperatureNumbers>();
     const std::optional<double> hours = heat && heat->pauses ? heat->pauses->hours : hours_;

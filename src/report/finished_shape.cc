@@ -44,7 +44,7 @@ std::vector<double> skin_normals(const Part<Dim>& part) {
   return normals;
 }
 
-/// On the owned nodes that `counts` marks.
+/// Measures the displacement on the owned nodes that `counts` marks.
 template <int Dim>
 DisplacementSize size_on(const std::vector<char>& counts, const Part<Dim>& part,
                          const std::vector<double>& displacement) {

@@ -39,7 +39,7 @@ class GradientNumbers : public FoundNumbers {
 
   void add_record(Json& block) const override { block["checks"]["gradient"] = name_of(source_); }
 
-  /// Of a sequence that has no gradient itself.
+  /// Says what the checks of a sequence without a gradient of its own go by.
   std::vector<std::string> words() const override {
     const std::string begin = "checks of direction and thickness: ";
     switch (source_) {

@@ -29,7 +29,7 @@ std::vector<LayerNumbers> layer_numbers(const Model<Dim>& model, const StageResu
   return result;
 }
 
-/// By the model that the state now counts by.
+/// Returns the numbers by the model that the state now counts by.
 template <int Dim>
 DepositionNumbers deposition_numbers(const Model<Dim>& model, const Problem<Dim>& problem,
                                      Pipeline<Dim>& pipeline, const StageResults<Dim>& state) {

@@ -32,7 +32,7 @@ class ElementTemperatures {
   const LayerTemperature& hottest() const { return hottest_; }
 
  private:
-  /// Those that stand when the layer ends.
+  /// Adds the temperatures that stand when the layer ends.
   void add_layer(int number) {
     const std::vector<double> mean = means_at_end(number);
     double highest = -std::numeric_limits<double>::infinity();
@@ -76,7 +76,7 @@ PauseNumbers pause_numbers(const Model<Dim>& model, const LayerDensities& layers
   return result;
 }
 
-/// Of runs whose strain follows the temperature.
+/// Measurement of runs whose strain follows the temperature.
 struct MeasuredTemperature {
   template <int Dim>
   static std::optional<TemperatureNumbers> measure(const MeasuredSequence<Dim>& sequence,

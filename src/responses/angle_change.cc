@@ -51,7 +51,7 @@ class FittedPlane {
     }
   }
 
-  /// Of the undeformed nodes, of length 1.
+  /// Returns the normal of the undeformed nodes, of length 1.
   const Point<Dim>& normal() const { return normal_; }
   /// Sets the normal to another vector of length 1 that differs from it by rounding, or by its sign.
   void set_normal(const Point<Dim>& normal) { normal_ = normal; }

@@ -13,7 +13,7 @@ namespace {
 /// Volume of a sliver relative to the mean of all layers: a layer of that size counts by 1 - 1/e.
 constexpr double sliver = 0.05;
 
-/// Of both lists; an objective has no limit.
+/// Settings of both lists; an objective has no limit.
 struct BuildTimeSettings {
   double limit = 0.0;  ///< hours
 

@@ -11,7 +11,7 @@
 
 namespace fabseq {
 
-/// By how much an element beside another one misses its footing, smoothly (docs/formulation.md 13.2): no
+/// Amount by which an element beside another one misses its footing, smoothly (docs/formulation.md 13.2): no
 /// excess is positive only if the exact check finds it there, too.
 template <int Dim>
 class FootingExcess {

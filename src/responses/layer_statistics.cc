@@ -45,7 +45,7 @@ std::array<double, 3> layer_sums(const std::vector<double>& density, const std::
   return {volume, volume + layer_density_floor * static_cast<double>(density.size()), weighted};
 }
 
-/// But for the deviation, from the layer_sums() of all ranks.
+/// Returns all but the deviation, from the layer_sums() of all ranks.
 template <int Dim>
 LayerStatistics statistics_of(const Grid<Dim>& grid, const LayerDensities& layers, int layer, bool defined,
                               const double* sums) {

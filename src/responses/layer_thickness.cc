@@ -39,7 +39,7 @@ class LayerThickness : public Response<Dim> {
     return result;
   }
 
-  /// With W = 1 . w, the mean is m_j = (M . w) / W, so that dm/dw_e = (M_e - m) / W and dm/dM_e = w_e / W.
+  /// Uses the mean m_j = (M . w) / W with W = 1 . w, so that dm/dw_e = (M_e - m) / W and dm/dM_e = w_e / W.
   /// Without fading, d_j = (T_j - T_{j-1}) / m_j.
   void add_derivative(int component, double weight, const StageResults<Dim>& state,
                       StageDerivatives<Dim>& adjoint) const override {

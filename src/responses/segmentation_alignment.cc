@@ -52,7 +52,7 @@ class SegmentationAlignment : public Response<Dim> {
     return {sum(part_.grid().comm(), total)};
   }
 
-  /// With g = grad t and s = sqrt(|g|^2 + eps): d(g . n / s) = (n - (g . n) g / s^2) . dg / s + g . dn / s.
+  /// Uses g = grad t and s = sqrt(|g|^2 + eps): d(g . n / s) = (n - (g . n) g / s^2) . dg / s + g . dn / s.
   void add_derivative(int, double weight, const StageResults<Dim>& state,
                       StageDerivatives<Dim>& adjoint) const override {
     const SubParts& sub_parts = state.densities->sub_parts;

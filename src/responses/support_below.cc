@@ -122,7 +122,7 @@ double SupportBelow<Dim>::lack(std::size_t element, const BuildTime& when, const
   return -log_support(neighbours(element, when, axis, times), when);
 }
 
-/// With S the bracket: dX = sum_y (P_y / (n S)) sum_k (e^z_yk P_y) dz_yk + sum_u (e^-u / S) du.
+/// Uses the bracket S: dX = sum_y (P_y / (n S)) sum_k (e^z_yk P_y) dz_yk + sum_u (e^-u / S) du.
 template <int Dim>
 LackDerivative<Dim> SupportBelow<Dim>::derivative(std::size_t element, const BuildTime& when,
                                                   const Point<Dim>& axis, std::span<const double> times,

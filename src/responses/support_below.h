@@ -13,7 +13,7 @@
 
 namespace fabseq {
 
-/// When a part element is built, all in pseudo-time.
+/// Times at which a part element is built, all in pseudo-time.
 struct BuildTime {
   static constexpr double infinite = std::numeric_limits<double>::infinity();
 
@@ -50,7 +50,7 @@ class SupportBelow {
   double edge() const { return edge_; }
   /// Pseudo-times (a part field) on the elements around those of this rank.
   std::vector<double> gather(std::span<const double> time) const;
-  /// Its transpose.
+  /// Applies the transpose of gather().
   std::vector<double> scatter(std::span<const double> d_times) const;
 
   /// Whether the element counts in its sub-part by more than a trace.

@@ -67,7 +67,7 @@ std::vector<std::vector<double>> by_diffusivity(const Part<Dim>& part, std::span
   return result;
 }
 
-/// If the temperature leaves [0, 1] by more than this, the discrete maximum principle does not hold.
+/// Distance of temperatures from [0, 1] above which the discrete maximum principle does not hold.
 constexpr double temperature_tolerance = 1e-9;
 
 }  // namespace

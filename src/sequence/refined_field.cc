@@ -23,7 +23,7 @@ class CoarseField {
     std::array<double, 2 * Dim> slopes{};  ///< per element, below and above the centre, axis by axis
     bool known = false;
 
-    /// At a place `away` from the centre, in the element's edges.
+    /// Returns the value at a place `away` from the centre, in the element's edges.
     double at(const Point<Dim>& away) const {
       double result = value;
       for (int axis = 0; axis < Dim; ++axis)
@@ -48,7 +48,7 @@ class CoarseField {
     exchange();
   }
 
-  /// Of an owned element.
+  /// Returns the entry of an owned element.
   const Entry& operator[](const Index<Dim>& element) const { return entries_[owned_.offset(element)]; }
   /// Goes on by an element to all sides; returns whether there was anything left to reach, on any rank.
   bool extend() {
@@ -66,7 +66,7 @@ class CoarseField {
   void exchange() {
     around_ = ring_.template gather<Entry>([this](const Index<Dim>& element) { return (*this)[element]; });
   }
-  /// Of an element that is owned or beside one that is.
+  /// Returns the entry of an element that is owned or beside one that is.
   const Entry& around(const Index<Dim>& element) const { return around_[ring_.wanted().offset(element)]; }
 
   /// The difference to the neighbour on each side; where there is none, that of the other side.

@@ -65,7 +65,7 @@ class LaneElasticity : public ElasticitySolver<Dim> {
   std::vector<double> not_finite_;  ///< stiffness values per lane of the block that are no numbers
   std::vector<double> stiffness_;   ///< of the current block, [element][lane], for the fallback
   LaneArray load_, displacement_;
-  /// Of the layers last set: adjoints have the operators of the solves before them.
+  /// Islands of the layers last set: adjoints have the operators of the solves before them.
   std::map<int, std::shared_ptr<const IslandMotions<Dim>>> islands_;
   std::unique_ptr<ReferenceElasticity<Dim>> fallback_;  ///< made at first use
 };

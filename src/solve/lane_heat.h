@@ -39,8 +39,8 @@ class LaneHeat : public HeatSolver<Dim> {
   void release_memory() override;
   bool saves_memory() const override { return most_lanes_ < widest_block; }
   static LaneCycle cycle();
-  /// For steps in time: a V-cycle, and more for lanes that take long. The capacity, which grows with the
-  /// diffusivity, makes thin sheets and soft surroundings easy.
+  /// Returns the cycle for steps in time: a V-cycle, and more for lanes that take long. The capacity, which
+  /// grows with the diffusivity, makes thin sheets and soft surroundings easy.
   static LaneCycle cycle_of_steps();
 
  private:

@@ -36,7 +36,7 @@ class RegionPool {
   Solver& choose(std::vector<int> elements);
   /// Values of the elements that the current solver has, `count` for each, of those of the whole domain.
   std::vector<double> picked(std::span<const double> values, int count) const;
-  /// As the solvers', for all of them.
+  /// Sets the tolerance of all solvers.
   void set_tolerance(const SolveTolerance& tolerance) {
     tolerance_ = tolerance;
     current_->set_tolerance(tolerance);
@@ -56,7 +56,7 @@ class RegionPool {
     SystemDomain domain;
     std::unique_ptr<Solver> solver;
   };
-  /// As many as a hundred layers have eights, and some.
+  /// Number of eights in a hundred layers, and some.
   static constexpr std::size_t most_regions = 16;
   typename std::list<Region>::iterator find(const std::vector<int>& elements);
   Solver& use(Solver& solver);

@@ -16,9 +16,9 @@ namespace {
 /// The figures of docs/how-to/choose-what-to-optimize.md.
 constexpr double least_elements_per_layer = 2.5;
 constexpr double most_vacant_layers = 0.2, least_vacant_layers = -0.02;
-/// At least this share of the iterations belongs to the last sharpness.
+/// Least share of the iterations that belongs to the last sharpness.
 constexpr double share_of_last_beta = 0.2;
-/// Of the largest cross-section along the plate.
+/// Share of the largest cross-section along the plate.
 constexpr double least_foot = 0.05;
 
 /// How N times the target goes with what there is to build.

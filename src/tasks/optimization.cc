@@ -41,7 +41,7 @@ void drop_unwritten_fields(SequenceReport& binary) {
   binary.build_fields.keep_binary();
 }
 
-/// By the layers that the best iterate was judged by.
+/// Returns the worst miss by the layers that the best iterate was judged by.
 template <int Dim>
 std::optional<ConstraintMiss> miss_of_best(const Setup<Dim>& setup, const Problem<Dim>& problem,
                                            const FinalReports& reports, const BestIterate& best) {

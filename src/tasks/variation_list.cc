@@ -53,7 +53,7 @@ void add_poisson(List& list, const Config& config) {
   }
 }
 
-/// Of layers whose number follows from their thickness.
+/// Adds variations of layers whose number follows from their thickness.
 void add_thicknesses(List& list, double thickness, int baseline_layers) {
   const auto add = [&](const char* name, double factor) {
     list.add(formatted(name, factor * thickness), [=](Config& its) {

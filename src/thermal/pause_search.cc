@@ -98,8 +98,8 @@ class PauseSearch {
 
 }  // namespace
 
-/// With several passes a layer, their pauses are the one that is sought: guessed from the layer before and
-/// corrected until both agree.
+/// Finds the pauses. With several passes a layer, theirs are the one that is sought: guessed from the layer
+/// before and corrected until both agree.
 template <int Dim>
 double find_pauses(const ThermalModel<Dim>& model, HeatSolver<Dim>& solver, const LayerDensities& densities,
                    double limit, std::span<double> seconds) {

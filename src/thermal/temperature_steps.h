@@ -10,7 +10,7 @@
 
 namespace fabseq {
 
-/// For messages: "temperature: layer 3, step 2". Both are numbers from 0.
+/// Names a step for messages: "temperature: layer 3, step 2". Both are numbers from 0.
 std::string step_name(int layer, std::size_t step);
 
 /// Implicit steps in time and their adjoints: (C + dt (K + H)) theta' = C* theta + q (docs/formulation.md

@@ -93,7 +93,7 @@ double ThermalModel<Dim>::mass(const LayerDensities& densities, int layer) const
   return properties.mass_density * part.grid().element_volume() * elements;
 }
 
-/// At the owners of the nodes.
+/// Sums up at the owners of the nodes.
 template <int Dim>
 std::vector<double> ThermalModel<Dim>::sum_of(std::span<const double> ghosted) const {
   std::vector<double> result(domain.fixed.size());

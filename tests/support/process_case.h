@@ -84,7 +84,7 @@ struct ProcessCase {
   const ProcessResult& simulate(const LayerDensities& layers, const StrainSource<Dim>& strains) {
     return simulation.simulate(layers, strains);
   }
-  /// With a step that adds each layer, one in which what stands is strained, and a last one of that kind.
+  /// Simulates a step that adds each layer, one in which what stands is strained, and a last of that kind.
   const ProcessResult& simulate_cooling(const LayerDensities& layers, const StrainSource<Dim>& strains) {
     return simulation.simulate(layers, strains, cooling_steps(layers.count()));
   }

@@ -99,7 +99,7 @@ struct Formulas {
     return total;
   }
 
-  /// In the order of the config.
+  /// Returns the values in the order of the config.
   std::vector<std::vector<double>> values() const {
     double squares = 0.0, variance = 0.0;
     int filled = 0;

@@ -15,9 +15,9 @@ void* map_large_pages(std::size_t bytes);
 /// Gives a piece of map_large_pages() back to the system, or keeps it (KeptLargePages).
 void unmap_large_pages(void* place);
 
-/// While one lives, pieces that are given back are kept for the next to come, since the system clears every
-/// page that it grants. For each new piece from the system, the largest kept one, which was too small, goes
-/// back. Local to the rank.
+/// Lifetime over which pieces that are given back are kept for the next to come, since the system clears
+/// every page that it grants. For each new piece from the system, the largest kept one, which was too small,
+/// goes back. Local to the rank.
 class KeptLargePages {
  public:
   KeptLargePages();

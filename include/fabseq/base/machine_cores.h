@@ -26,7 +26,7 @@ struct NodeCores {
   double per_rank() const { return ranks > usable() ? usable() / ranks : 1.0; }
 };
 
-/// Those of the node with the fewest cores per rank.
+/// Returns the counts of the node with the fewest cores per rank.
 NodeCores fewest_cores(MPI_Comm comm);
 /// The one of these nodes, of which there is at least one, with the fewest cores per rank; the first of
 /// several.
@@ -36,8 +36,8 @@ NodeCores fullest(std::span<const NodeCores> nodes);
 /// busiest node: over a tenth of a second, for which the ranks sleep. Nothing where the system does not tell.
 std::optional<double> busy_share(MPI_Comm comm);
 
-/// Such as "2 cores (4 threads) for 2 ranks, 35 % busy", or "2 cores (4 threads), but the time of 0.5 (a
-/// limit of the container or the job), for 2 ranks, 35 % busy".
+/// Describes the cores, such as "2 cores (4 threads) for 2 ranks, 35 % busy", or "2 cores (4 threads), but
+/// the time of 0.5 (a limit of the container or the job), for 2 ranks, 35 % busy".
 std::string machine_text(const NodeCores& cores, std::optional<double> busy);
 std::string machine_text(MPI_Comm comm);
 

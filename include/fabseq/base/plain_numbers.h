@@ -25,9 +25,9 @@ std::optional<Number> number_in(std::string_view text) {
   return value;
 }
 
-/// For its lifetime, the C library's functions, such as strtod() and printf(), read and write numbers with a
-/// decimal point in this thread. Other threads, the process's locale, and what locales decide beside numbers
-/// stay as they are. C++ streams are not affected.
+/// Lifetime over which the C library's functions, such as strtod() and printf(), read and write numbers with
+/// a decimal point in this thread. Other threads, the process's locale, and what locales decide beside
+/// numbers stay as they are. C++ streams are not affected.
 class PlainNumbers {
  public:
   /// Throws std::bad_alloc if there is no memory for it.

@@ -23,7 +23,7 @@ class ProcessStage : public Stage<Dim> {
   Phase adjoint_phase() const override { return Phase::adjoint; }
   void start_cold() override { process_.start_cold(); }
   void release_memory() override { process_.release_memory(); }
-  /// By what work the layers are dealt out next.
+  /// Saves by what work the layers are dealt out next.
   void save(CheckpointState& state) const override;
   void restore(const CheckpointState& state) override;
   void add_iterations(SolverIterations& iterations) const override;

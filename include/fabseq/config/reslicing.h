@@ -14,7 +14,8 @@ struct Slicing {
   double layers = 0.0, beta = 0.0;
 };
 
-/// Those of a file. Does not report a file that cannot be read: its later reader does. Collective on `comm`.
+/// Reads the slicing of a file, and does not report one that cannot be read: its later reader does.
+/// Collective on `comm`.
 Slicing slicing_of(MPI_Comm comm, const std::string& name);
 
 /// Turns settings whose sequence has become that of -sequence FILE into those of its layers, before they are

@@ -12,7 +12,7 @@ namespace fabseq {
 /// node.
 struct SystemDomain {
   int components = 1;
-  /// For each owned element of the model, the offset of its lowest node in the ghosted node box.
+  /// Offset of the lowest node of each owned element of the model in the ghosted node box.
   std::vector<int> first_corners;
   std::vector<char> fixed;  ///< [owned node][component]: 1 if the value is prescribed
 };

@@ -24,7 +24,7 @@ struct LayerVariables {
   std::vector<double> lower, upper;  ///< bounds
   /// The optimizer's range of a variable: so far to either side of where it is, within the bounds.
   double reach = std::numeric_limits<double>::infinity();
-  /// In files: a table with so many columns, [sub-part][angle]; 0: a plain list.
+  /// Columns of its table in files, [sub-part][angle]; 0: a plain list.
   int columns = 0;
   bool fixed = false;  ///< part of every design, but kept from the optimizer
 

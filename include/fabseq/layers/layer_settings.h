@@ -23,7 +23,7 @@ struct MultiPlanarSettings {
   int subparts = 1;                ///< N_P
   std::vector<double> timestamps;  ///< tau_1 ... tau_{N_P - 1}, ascending
   double thickness = 3.0;          ///< w, length unit
-  /// To start from, and their bounds: [sub-part][angle], radians; 2D one angle, 3D elevation and azimuth.
+  /// Start angles and their bounds: [sub-part][angle], radians; 2D one angle, 3D elevation and azimuth.
   std::vector<double> angles, lowest_angles, highest_angles;
   double time_sharpness = 100.0;                  ///< k1
   double slab_sharpness = 10.0;                   ///< k2; less than published (results/multi_planar.md)

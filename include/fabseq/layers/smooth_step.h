@@ -45,8 +45,8 @@ class SmoothStep {
   }
   /// Derivative with respect to the time: 0 beyond both ends, and at them that of the inner side.
   double derivative(double time) const { return time < 0.0 || time > 1.0 ? 0.0 : slope(time); }
-  /// With respect to the time point. With s, h, e the squared hyperbolic secants at the start, the time and
-  /// the end: beta scale (h - s + (1 - value) (s - e)).
+  /// Returns the derivative with respect to the time point. With s, h, e the squared hyperbolic secants at
+  /// the start, the time and the end: beta scale (h - s + (1 - value) (s - e)).
   double time_point_derivative(double time) const {
     const double at_start = 1.0 - start_ * start_, at_end = 1.0 - end_ * end_;
     return -slope(std::min(std::max(time, 0.0), 1.0)) +
@@ -64,7 +64,7 @@ class SmoothStep {
 
 /// 1 / (1 + exp(-x)) and its derivative. A loop over many values becomes vector instructions.
 struct Logistic {
-  /// Below minus this it is 0: the smallest numbers a processor has are slow.
+  /// Magnitude of a negative x from which on value() is 0: the smallest numbers a processor has are slow.
   static constexpr double negligible = 690.0;
 
   static double value(double x) {
@@ -89,7 +89,7 @@ class SlabStep {
     const double x = scale_ * (height - center_);
     return Logistic::value(sharpness_ * (1.0 - x * x));
   }
-  /// With respect to the height.
+  /// Returns the derivative with respect to the height.
   double derivative(double height) const {
     const double x = scale_ * (height - center_);
     return -2.0 * sharpness_ * scale_ * x * Logistic::derivative(sharpness_ * (1.0 - x * x));

@@ -35,7 +35,7 @@ struct ThicknessRange {
   double worst = 0.0;                     ///< that of the element that misses it by most, length unit
 };
 
-/// By what share of its end each thickness misses an allowed range; none above 0: it lies in it.
+/// Returns by what share of its end each thickness misses an allowed range; none above 0: it lies in it.
 std::vector<double> beyond_range(std::span<const double> thickness, const std::array<double, 2>& allowed);
 
 /// The range of a local thickness, none if it is not defined. Collective on the grid's communicator.

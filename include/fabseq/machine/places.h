@@ -36,7 +36,7 @@ struct Place {
   std::int64_t elements = 0;
   double volume = 0.0;  ///< of its elements, weighted by their density
   double begins = 0.0;  ///< volume of what begins on it, itself included
-  /// Along its axes: in the layer, the longer first, then in the build direction.
+  /// Lengths along its axes: in the layer, the longer first, then in the build direction.
   std::vector<double> extent;
   std::vector<double> centre, lower, upper;  ///< its centre of volume and its box, [axis]
   int layer = 0;                             ///< the first that builds any of it, from 1

@@ -54,7 +54,7 @@ class Mma {
   /// `local`: number of variables on this rank (may be 0).
   Mma(MPI_Comm comm, std::size_t local, const MmaSettings& settings);
 
-  /// For checkpoints; going on from a restored state gives the iterates of a run that was not interrupted.
+  /// Returns what checkpoints keep; a restored state gives the iterates of a run that was not interrupted.
   const MmaState& state() const { return state_; }
   /// `state`: this rank's entries; vectors of the length given to the constructor.
   void restore(MmaState state);

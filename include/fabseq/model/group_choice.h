@@ -16,7 +16,7 @@ struct GroupChoice {
   std::string explanation;  ///< a line for the log; empty with a single rank
 };
 
-/// As many groups as `solver.layer_groups` says. Throws InputError if ranks cannot be dealt out so.
+/// Chooses as many groups as `solver.layer_groups` says. Throws InputError if ranks cannot be dealt out so.
 GroupChoice asked_choice(int groups, int ranks);
 /// The number of groups that is the fastest by a model of the time and fits the `available` memory, bytes.
 template <int Dim>

@@ -28,7 +28,7 @@ struct NamedStageCost {
   CostOfStage of;
 };
 
-/// Those of all types of stages, by name.
+/// Returns the costs of all types of stages, by name.
 const std::vector<NamedStageCost>& stage_costs();
 /// Adds one. RegisteredStage calls it.
 void register_stage_cost(const std::string& stage, CostOfStage cost);

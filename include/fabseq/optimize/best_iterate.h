@@ -20,7 +20,7 @@ namespace fabseq {
 /// exact check: smooth counts of the machine's limits are stricter than the checks, which judge these.
 enum class Standing { satisfied, within_elements, left_to_checks, violated };
 
-/// They may be missed by this much, in the unit of `worst_constraint`.
+/// What binary layers may miss constraints by, in the unit of `worst_constraint`.
 inline constexpr double binary_allowance = 0.01;
 
 /// How far binary layers are beyond the limits of the machine, by the exact checks.
@@ -42,8 +42,8 @@ struct Iterate {
   ProblemValues values;                ///< what the optimizer goes by
   std::optional<JudgedValues> binary;  ///< of binary layers, where the iterate is judged by these
 
-  /// By which iterates are compared (BestIterate): the worse of both, as an iterate that is good in one kind
-  /// of layers alone owes that to the soft bounds of these, or to where elements happen to lie.
+  /// Returns what iterates are compared by (BestIterate): the worse of both, as an iterate that is good in
+  /// one kind of layers alone owes that to the soft bounds of these, or to where elements happen to lie.
   double merit() const { return binary ? std::max(values.merit, binary->merit) : values.merit; }
   double worst_constraint() const {
     return binary ? std::max(values.worst_constraint, binary->worst_constraint) : values.worst_constraint;

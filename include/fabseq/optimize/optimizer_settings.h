@@ -21,7 +21,7 @@ struct OptimizerSettings {
   double change_tolerance = 0.0;
   double objective_tolerance = 0.0;
   int window = 5;  ///< iterations over which both are looked at
-  /// Of the config; none: what complete_move_limits() chooses.
+  /// Move limits of the config; none: what complete_move_limits() chooses.
   std::optional<double> given_move_limit, given_final_move_limit;
   double move_limit = 0.05, final_move_limit = 0.004;  ///< of the variable's range
   MmaSettings mma;

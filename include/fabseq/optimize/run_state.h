@@ -32,7 +32,7 @@ struct RunEnd {
 template <int Dim>
 class RunState {
  public:
-  /// Before the first iteration. `design`: to start from; model and settings must outlive the state.
+  /// Begins before the first iteration. `design`: to start from; model and settings must outlive the state.
   RunState(const Model<Dim>& model, const OptimizerSettings& settings, const Sequence<Dim>& sequence,
            Design design);
 
@@ -45,7 +45,7 @@ class RunState {
   const Design& design() const { return design_; }
   /// Iterations done.
   int completed() const { return completed_; }
-  /// Of the solves of the next iteration.
+  /// Returns the tolerances of the solves of the next iteration.
   Tolerances tolerances() const;
   /// Ends an iteration, whose design had these values and whose step to the `next` one was `change`
   /// (StepReport::change).

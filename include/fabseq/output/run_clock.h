@@ -24,7 +24,7 @@ class RunClock {
   /// The timer must outlive the clock.
   explicit RunClock(PhaseTimer& timer);
 
-  /// Until an iteration begins, phases count for nothing.
+  /// Begins the iterations: until then, phases count for nothing.
   void begin_iterations();
   /// Ends an iteration; returns its seconds.
   Seconds end_iteration();

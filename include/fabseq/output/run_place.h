@@ -16,7 +16,7 @@ struct RunPlace {
   std::optional<std::string> restart;  ///< as -restart names it: the directory of a run, or "auto"
 
   bool restarts_automatically() const { return restart == "auto"; }
-  /// That of a run in a folder: it continues from the same folder of the run that this one continues from.
+  /// Places a run in a folder: it continues from the same folder of the run that this one continues from.
   RunPlace inside(const std::string& folder) const;
 };
 

@@ -24,7 +24,7 @@ struct Shape {
   std::vector<double> second;  ///< box max, half_space normal, cylinder to
   double radius = 0.0;         ///< cylinder, sphere
   int axis = 2;                ///< polygon in 3D: axis along which it is extruded through the box
-  /// In 3D, its corners are the coordinates along the two other axes in ascending order.
+  /// Polygon whose corners in 3D are the coordinates along the two other axes in ascending order.
   Polygon polygon;
   std::vector<Shape> operands;  ///< union_of, intersection, difference (the first minus all others)
 

@@ -31,7 +31,7 @@ class Substrate {
   /// 1 for the substrate's owned nodes on its side towards the plate: the lowest ones along the plate's
   /// normal. Collective on the grid's communicator.
   std::vector<char> nodes_towards(const BuildPlate& plate) const;
-  /// For each owned element, half the spacing across the face that it shares with the substrate, the smallest
+  /// Returns half the spacing across the face that each owned element shares with the substrate, the smallest
   /// one if there are several; infinite without such a face. Length unit. Collective on the grid's
   /// communicator.
   std::vector<double> contact_distance() const;

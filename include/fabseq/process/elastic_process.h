@@ -47,7 +47,7 @@ class ElasticProcess {
   ElasticProcess(const ElasticProcess&) = delete;  // the result refers to its members
   ElasticProcess& operator=(const ElasticProcess&) = delete;
 
-  /// From now on simulations end with the release from the supports. Throws InputError if there is none
+  /// Lets later simulations end with the release from the supports. Throws InputError if there is none
   /// (release_obstacle()).
   void release_with(const ReleaseSolver& solver) {
     release_ = std::make_unique<Release<Dim>>(model(), solver);
@@ -75,7 +75,7 @@ class ElasticProcess {
   /// Gives back the memory of the last simulation's increments and of the solver; what needs increments needs
   /// a further simulation. Not collective.
   void release_memory();
-  /// That of the last simulation, for CountedAs.
+  /// Returns the result of the last simulation, for CountedAs.
   ProcessResult& result() { return result_; }
   /// Strains of the last simulation, as given.
   const StrainSource<Dim>& strains() const { return *strains_; }

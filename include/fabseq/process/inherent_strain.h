@@ -44,7 +44,7 @@ class InherentStrain : public StrainSource<Dim> {
   void pull_back(std::span<const double> gradient, const LayerDensities& layers,
                  std::span<const double> d_inputs, std::vector<double>& d_gradient,
                  DensityDerivatives& d_densities) const;
-  /// Those of the inputs that are the shares.
+  /// Picks the derivatives with respect to the inputs that are the shares.
   std::span<const double> of_shares(std::span<const double> d_inputs) const {
     return d_inputs.subspan(value_count());
   }

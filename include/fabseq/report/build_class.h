@@ -22,12 +22,12 @@ BuildClass class_of(const FaultyPlaces& places, const ToolSettings& tool);
 BuildClass class_without(const FaultyPlaces& places, const std::vector<bool>& left_out,
                          const ToolSettings& tool);
 
-/// As summary.json has it: "buildable_but_for_places".
+/// Names a class as summary.json has it: "buildable_but_for_places".
 std::string name_of(BuildClass build_class);
-/// As people have it: "buildable but for 2 places".
+/// Names a class as people have it: "buildable but for 2 places".
 std::string words_of(BuildClass build_class, std::int64_t places);
 
-/// As summary.json has it: "local_thickness"; "roof", or "" without a form.
+/// Names a fault or a form as summary.json has it: "local_thickness"; "roof", or "" without a form.
 std::string name_of(Fault fault);
 std::string name_of(PlaceForm form);
 /// What is wrong at a place, and what to do about it: "a roof of 12 x 3 x 3 mm near [1,2,3] begins in the air

@@ -12,10 +12,10 @@
 
 namespace fabseq {
 
-/// Between which lengths a layer can be deposited; none without a target.
+/// Returns between which lengths a layer can be deposited; none without a target.
 std::optional<std::array<double, 2>> allowed_thickness(const ModelSettings& settings);
 
-/// By how much each part element fails a check, > 0 where it does; none where the check is not made.
+/// Returns by how much each part element fails a check, > 0 where it does; none where the check is not made.
 std::optional<std::vector<double>> fault_marks(const BuildFields& fields, const ModelSettings& settings,
                                                Fault fault);
 

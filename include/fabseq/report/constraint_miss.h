@@ -32,8 +32,8 @@ struct ConstraintMiss {
   std::string words;                ///< "tilt is 27 % of the part, smoothly counted, allowed at most 0.1 %"
 };
 
-/// Of a pipeline's last run, of its binary layers whatever layers it ran with; none without constraints that
-/// have an exact check. `with_places`: BeyondLimits::places is looked for, else 0. Collective.
+/// Checks the binary layers of a pipeline's last run, whatever layers it ran with; none without constraints
+/// that have an exact check. `with_places`: BeyondLimits::places is looked for, else 0. Collective.
 template <int Dim>
 std::optional<BeyondLimits> beyond_limits(const Model<Dim>& model, const Problem<Dim>& problem,
                                           const Pipeline<Dim>& pipeline, const StageResults<Dim>& state,

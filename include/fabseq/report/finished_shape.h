@@ -40,7 +40,7 @@ struct Deviation : DisplacementSizes {
 struct FinishedShape {
   Deviation as_built;
   std::optional<Deviation> released;  ///< none where a release is not defined or its solve fails
-  /// After the release where that is asked for and known, else as built.
+  /// Returns the deviation after the release where that is asked for and known, else as built.
   const Deviation& deviation(bool after_release) const {
     return after_release && released ? *released : as_built;
   }

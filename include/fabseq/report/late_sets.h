@@ -21,7 +21,7 @@ struct LateSet {
   double share = 0.0;  ///< of its nodes
   int layers = 0;      ///< a tenth of all, at least one
 
-  /// For people, without a full stop.
+  /// Describes the set for people, without a full stop.
   std::string words() const;
 };
 

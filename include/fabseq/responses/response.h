@@ -36,8 +36,8 @@ struct ResponseContext {
   double target_thickness = 0.0;     ///< of the layers, length unit; 0: none
   std::optional<ThermalSettings> thermal = std::nullopt;  ///< of layers whose strains follow the temperature
   std::optional<BuildClock> clock = std::nullopt;         ///< none: the time of the build is not known
-  /// By how much each part element counts in smooth counts of a machine's limits (docs/formulation.md 13.2);
-  /// null: all alike.
+  /// Weight of each part element in smooth counts of a machine's limits (docs/formulation.md 13.2); null: all
+  /// alike.
   const std::vector<double>* element_weights = nullptr;
 
   double weight_of(std::size_t element) const {

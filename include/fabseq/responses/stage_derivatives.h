@@ -30,8 +30,8 @@ struct ProcessFunctionals : ProcessAdjoint {
   void sum_at(const LayerGroups&, int) {}
 };
 
-/// With respect to the inputs of the strains (StrainSource), this rank's part of the sum over all ranks;
-/// empty while zero.
+/// Derivatives with respect to the inputs of the strains (StrainSource), this rank's part of the sum over all
+/// ranks; empty while zero.
 struct StrainDerivatives {
   std::vector<double> inputs;
 
@@ -40,8 +40,8 @@ struct StrainDerivatives {
   void sum_at(const LayerGroups&, int) {}
 };
 
-/// With respect to the temperatures at which layers begin, [layer], this rank's part of the sum over all
-/// ranks; empty while zero.
+/// Derivatives with respect to the temperatures at which layers begin, [layer], this rank's part of the sum
+/// over all ranks; empty while zero.
 struct TemperatureDerivatives {
   std::vector<double> interpass;
 
@@ -58,8 +58,8 @@ struct TemperatureDerivatives {
   }
 };
 
-/// With respect to stage and layer densities, time points, sub-parts and directions. The layers take them
-/// from each group (DensitySink).
+/// Derivatives with respect to stage and layer densities, time points, sub-parts and directions. The layers
+/// take them from each group (DensitySink).
 struct LayerDerivatives : DensityDerivatives {
   using DensityDerivatives::DensityDerivatives;
   void drop() {
@@ -69,7 +69,7 @@ struct LayerDerivatives : DensityDerivatives {
   void sum_at(const LayerGroups&, int) {}
 };
 
-/// With respect to t and grad t; empty while zero.
+/// Derivatives with respect to t and grad t; empty while zero.
 struct SequenceDerivatives : TimeDerivatives {
   bool gradient_in_parts = false;  ///< whether all groups have parts of that with respect to grad t
 

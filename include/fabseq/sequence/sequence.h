@@ -59,7 +59,7 @@ struct DesignSpace {
   int count() const { return static_cast<int>(components.size()); }
   /// The scale of an entry of a design, [place][component].
   const DesignScale& of(std::size_t entry) const { return components[entry % components.size()]; }
-  /// For vectors that begin with entry number `first` of a design, as a share of one does.
+  /// Returns the space of vectors that begin with entry number `first` of a design, as a share of one does.
   DesignSpace from(std::size_t first) const;
 };
 

@@ -32,8 +32,8 @@ struct SequenceTraits {
   /// them: `direct with location nodes`; empty: it never is.
   std::string with_gradient = "";
   std::string bounds_key = "";  ///< key that bounds the design; empty: the bounds are fixed
-  /// For the meanings of the optimizer's keys: what the move limits are, and what they are at the end of a
-  /// run where that is less.
+  /// Words for the meanings of the optimizer's keys: what the move limits are, and what they are at the end
+  /// of a run where that is less.
   std::string move_limits = "", last_move_limits = "";
 };
 

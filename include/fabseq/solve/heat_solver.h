@@ -30,7 +30,7 @@ class HeatSolver {
 
   /// Makes K the operator of the solves that follow. Collective.
   virtual void set_operator(const HeatOperator& of) = 0;
-  /// With the same reaction in all elements and no diagonal.
+  /// Makes K an operator with the same reaction in all elements and no diagonal.
   void set_operator(std::span<const double> diffusivity, double reaction) {
     const std::vector<double> reactions(diffusivity.size(), reaction);
     set_operator(HeatOperator{diffusivity, reactions});

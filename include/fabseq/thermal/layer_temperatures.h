@@ -29,12 +29,12 @@ struct LayerTemperatures {
   std::span<const double> region(int layer) const {
     return regions.empty() ? std::span<const double>() : std::span(regions[layer / widest_block]);
   }
-  /// Before a step of a layer.
+  /// Returns the excesses before a step of a layer.
   const std::vector<double>& before(int layer, std::size_t step) const {
     if (step > 0) return after_steps[layer][step - 1];
     return layer > 0 ? after_steps[layer - 1].back() : start;
   }
-  /// At the end of a layer's pause.
+  /// Returns the excesses at the end of a layer's pause.
   const std::vector<double>& at_end(int layer) const { return after_steps[layer].back(); }
 };
 

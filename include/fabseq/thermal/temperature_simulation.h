@@ -24,7 +24,7 @@ struct TemperatureAdjoint {
 
 /// The pauses that an interpass temperature asks for.
 struct NeededPauses {
-  /// After each real layer of every simulated layer, s; none: no pause is long enough. Of the last layer 0.
+  /// Pauses after each real layer of every simulated layer, s; none: no pause is enough. Of the last layer 0.
   std::vector<std::optional<double>> seconds;
   double welding = 0.0;  ///< of all layers, s
 };

@@ -65,7 +65,7 @@ struct ThermalModel {
   std::vector<double> start() const;
   /// The steps of a layer of this mass, with these pauses between its real layers and after the last. Local.
   std::vector<ThermalStep> steps(double mass, double inner_pause, double last_pause) const;
-  /// With the pauses of the process. Local.
+  /// Returns the steps with the pauses of the process. Local.
   std::vector<ThermalStep> steps(double mass) const {
     return steps(mass, properties.pause, properties.pause);
   }
@@ -75,7 +75,7 @@ struct ThermalModel {
                              double factor) const;
   /// Weights of part elements in the mean by which the layer after this one begins. Local.
   static std::vector<double> weights(const std::vector<double>& layer_density);
-  /// That mean, as an excess.
+  /// Returns the mean with these weights, as an excess.
   double interpass(const std::vector<double>& layer_density, std::span<const double> theta) const;
   /// Sets held nodes to the plate's temperature. Local.
   void hold(std::span<double> theta) const;

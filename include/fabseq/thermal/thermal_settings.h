@@ -59,7 +59,7 @@ struct ThermalProperties {
   double diffusivity() const { return conductivity / capacity; }
   /// s_j, the share of the inherent strain that a layer gets which begins at this temperature.
   double strain_share(double interpass) const;
-  /// Its derivative with respect to the temperature, 1/K.
+  /// Returns the derivative of strain_share() with respect to the temperature, 1/K.
   double strain_share_slope(double interpass) const;
 };
 

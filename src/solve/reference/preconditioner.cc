@@ -21,7 +21,7 @@ constexpr double gamg_threshold = 0.01;
 /// nine decades the estimate can fall short by more than that, and the smoother, and with it the
 /// preconditioner, becomes indefinite.
 constexpr const char* chebyshev_transform = "0,0.1,0,1.5";
-/// And by this one once the other was too small.
+/// Transform that is taken once the other was too small.
 constexpr const char* safest_transform = "0,0.1,0,3";
 
 /// Sets a PETSc option to its value for systems that are not relaxed: the user's, or else `value`. Kept, for
