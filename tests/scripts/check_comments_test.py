@@ -6,6 +6,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+from pathlib import Path
 
 import check_comments
 
@@ -27,6 +28,27 @@ class CommentsTest(unittest.TestCase):
         self.assertEqual(offences("  /// End.", "  ///", "  /// New paragraph.", "  /// \\param x  one",
                                   "  /// \\param y  other"), [])
         self.assertEqual(offences("// SPDX-License-Identifier: MIT", "/// \\file", "/// What it holds."), [])
+
+    def test_first_words_of_doc_comments(self):
+        def refused(*lines):
+            return [(number, text.split()[0]) for number, text in check_comments.openings_of(lines)]
+        self.assertEqual(refused("/// Of the part.", "/// With it.", "int a;", "", "  /// When, if at all."),
+                         [(1, "'Of'"), (5, "'When'")])
+        self.assertEqual(refused("/// Returns the size", "/// of the part.", "int a;", "/// What it is.", "int b;  ///< of it",
+                                 "/// \\file", "/// In it.", "int c;", "/// \\param in  of it", "int d;", "/// `in` it.",
+                                 "int e;", "///     if x", "int f;", "/// - of it", "int g;", "// In it.",
+                                 "/// In-place sum.", "int h;", "/// for_each() of it."), [])
+
+    def test_rule_of_first_words_by_folder(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name in ("src", "tests/support", "tests/base"):
+                path = Path(folder, name)
+                path.mkdir(parents=True)
+                (path / "it.h").write_text("/// Of it.\nint a;\n", encoding="utf-8")
+            done = subprocess.run([sys.executable, check_comments.__file__, folder], capture_output=True, text=True,
+                                  check=False)
+            self.assertEqual([line.split(":")[0] for line in done.stdout.splitlines()], ["src/it.h", "tests/support/it.h"])
+            self.assertEqual(done.returncode, 1)
 
     def test_subjects_of_commits(self):
         with tempfile.TemporaryDirectory() as folder:
