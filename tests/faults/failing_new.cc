@@ -3,7 +3,9 @@
 /// Lets one allocation fail: a library to be preloaded (LD_PRELOAD) under every rank of a run.
 ///
 ///     FAILING_RANK     the rank whose `new` throws std::bad_alloc
-///     FAILING_NUMBER   which of its calls, from 1; 0 for none
+///     FAILING_NUMBER   which of its calls for 4096 bytes or more, from 1; 0 for none. Destructors of JSON
+///     values
+///                      allocate, too, and no exception may leave them: but for less
 ///     FAILING_REPORT   a folder; the rank writes the number of its calls to the file RANK there when it ends
 #include <atomic>
 #include <cstdio>
@@ -13,6 +15,7 @@
 
 namespace {
 
+constexpr std::size_t least_size = 4096;
 std::atomic<long> calls = 0;
 
 bool is_chosen() {
@@ -43,7 +46,7 @@ struct Report {
 void* operator new(std::size_t size) {
   static const bool chosen = is_chosen();
   static const long fails = number();
-  if (chosen && ++calls == fails) throw std::bad_alloc();
+  if (chosen && size >= least_size && ++calls == fails) throw std::bad_alloc();
   if (void* memory = std::malloc(size > 0 ? size : 1)) return memory;
   throw std::bad_alloc();
 }

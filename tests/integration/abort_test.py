@@ -35,8 +35,7 @@ class AbortTest(FabseqTest):
         self.assertEqual(whole.status, DONE, str(whole))
         with open(os.path.join(self.directory, str(RANK)), encoding="utf-8") as file:
             calls = int(file.read())
-        # Of all allocations, but those for config.json, near 0.4, and the summary at the end: destructors of
-        # JSON values allocate, too.
+        self.assertGreater(calls, 100)
         for part in (0.2, 0.5, 0.65):
             with self.subTest(part=part):
                 start = time.monotonic()
