@@ -46,8 +46,7 @@ RunOutcome optimize(const CommandLine& command_line, const Setup<Dim>& setup, co
   RunState<Dim> run = starting_state(setup, command_line, begin, restart, pipeline);
   try {
     output.keep(run, pipeline);
-    output.baseline(planar_baseline(setup, run.problem, timer),
-                    pipeline.process().systems().solver_description());
+    output.baseline(planar_baseline(setup, run.problem, timer), pipeline.process().description());
     pipeline.set_region(setup.solver.region);
     while (!run.ended()) {
       note_iterations(run.completed());

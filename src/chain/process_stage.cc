@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/chain/process_stage.h"
 
+#include "chain/step_temperatures.h"
 #include "fabseq/model/run_cost.h"
+#include "fabseq/process/elastic_process.h"
+#include "fabseq/process/plastic_process.h"
 #include "fabseq/responses/response_type.h"
 #include "fabseq/solve/reference/reference_elasticity.h"
 #include "fabseq/solve/solvers.h"
@@ -18,6 +21,20 @@ std::unique_ptr<ElasticitySolver<Dim>> elasticity_solver(const Model<Dim>& model
                                                          const ElasticModel<Dim>& elastic, double tolerance) {
   return make_elasticity_solver(model.solver, model.grid, elastic.domain, elastic.element,
                                 elastic.material.poisson, tolerance, model.lanes);
+}
+
+/// The process that a model asks for. Plastic flow is simulated in 3D.
+template <int Dim>
+std::unique_ptr<Process<Dim>> make_process(const StageContext<Dim>& context,
+                                           const ElasticModel<Dim>& elastic) {
+  const Model<Dim>& model = context.model;
+  auto solver = elasticity_solver(model, elastic, context.tolerance);
+  if constexpr (Dim == 3)
+    if (model.settings.process.model == ProcessModel::elastoplastic)
+      return std::make_unique<PlasticProcess>(elastic, std::move(solver), model.groups, model.block_solver(),
+                                              model.lanes);
+  return std::make_unique<ElasticProcess<Dim>>(elastic, std::move(solver), model.groups, model.block_solver(),
+                                               model.lanes);
 }
 
 /// Name of the expected work in a checkpoint.
@@ -81,18 +98,33 @@ template <int Dim>
 ProcessStage<Dim>::ProcessStage(StageContext<Dim>& context)
     : elastic_(context.model.part, context.model.supports, context.model.settings.material,
                context.model.settings.process),
-      process_(elastic_, elasticity_solver(context.model, elastic_, context.tolerance), context.model.groups,
-               context.model.block_solver(), context.model.lanes) {
+      process_(make_process(context, elastic_)),
+      flows_(context.model.settings.process.model == ProcessModel::elastoplastic) {
   const ModelSettings& settings = context.model.settings;
-  if (any_measures_release(settings.objective) || any_measures_release(settings.constraints))
-    process_.release_with(release_solver(settings.solver, context.tolerance));
+  const bool is_measured =
+      any_measures_release(settings.objective) || any_measures_release(settings.constraints);
+  // What flows in the release is found with all else.
+  const bool can_be_released =
+      release_obstacle(context.model.grid, context.model.supports, settings.process.void_model).empty();
+  if (is_measured || (flows_ && can_be_released))
+    process_->release_with(release_solver(settings.solver, context.tolerance));
+  if (flows_ && settings.thermal) thermal_.emplace(*settings.thermal, settings.material, settings.process);
 }
 
 template <int Dim>
 void ProcessStage<Dim>::forward(const StageInput& input, StageResults<Dim>& results) {
-  process_.set_tolerance(elasticity_tolerance(input.tolerance));
-  process_.systems().leave_out_unbuilt(input.region == SolverRegion::built);
-  results.process = process_.simulate(*results.densities, *results.strains);
+  process_->set_tolerance(elasticity_tolerance(input.tolerance));
+  process_->systems().leave_out_unbuilt(input.region == SolverRegion::built && !flows_);
+  ProcessInput<Dim> input_of_process{*results.densities, *results.strains, {}};
+  StepTemperatures temperatures;
+  if (thermal_) {
+    input_of_process.steps = steps_of_heated_layers(results.densities->count(), *thermal_);
+    temperatures = step_temperatures(elastic_, *thermal_, *results.temperatures, input_of_process.steps);
+    input_of_process.temperatures = &temperatures;
+  } else {
+    input_of_process.steps = steps_of_layers(results.densities->count());
+  }
+  results.process = process_->simulate(input_of_process);
   forward_iterations_ = results.process->iterations;
   adjoint_iterations_.clear();
 }
@@ -102,7 +134,7 @@ void ProcessStage<Dim>::pull_back(const StageResults<Dim>& state, const SolveTol
                                   AdjointRowSpan<Dim> rows) {
   std::vector<ProcessAdjoint> adjoints;
   std::vector<ProcessDerivatives> derivatives;
-  const bool has_strains = process_.strains().input_count() > 0;
+  const bool has_strains = process_->strains().input_count() > 0;
   for (AdjointRow<Dim>* row : rows) {
     if (!row->shared) continue;
     for (ProcessAdjoint& functional : process_functionals(row->adjoint.process, *state.process)) {
@@ -112,22 +144,22 @@ void ProcessStage<Dim>::pull_back(const StageResults<Dim>& state, const SolveTol
     }
   }
   if (adjoints.empty()) return;
-  process_.set_tolerance(elasticity_tolerance(tolerance));
-  process_.pull_back(*state.densities, adjoints, derivatives);
-  adjoint_iterations_ = process_.adjoint_iterations();
+  process_->set_tolerance(elasticity_tolerance(tolerance));
+  process_->pull_back(*state.densities, adjoints, derivatives);
+  adjoint_iterations_ = process_->adjoint_iterations();
 }
 
 template <int Dim>
 void ProcessStage<Dim>::save(CheckpointState& state) const {
   // Nothing yet before the first iteration.
-  if (!process_.systems().expected_work().empty())
-    state.set_array(expected_work_name, process_.systems().expected_work());
+  if (!process_->systems().expected_work().empty())
+    state.set_array(expected_work_name, process_->systems().expected_work());
 }
 
 template <int Dim>
 void ProcessStage<Dim>::restore(const CheckpointState& state) {
   if (state.has_array(expected_work_name))
-    process_.systems().set_expected_work(state.array(expected_work_name));
+    process_->systems().set_expected_work(state.array(expected_work_name));
 }
 
 template <int Dim>

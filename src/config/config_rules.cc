@@ -3,6 +3,7 @@
 #include "fabseq/config/config.h"
 #include "fabseq/keys/config_key.h"
 #include "fabseq/keys/direction.h"
+#include "fabseq/process/process_rules.h"
 #include "fabseq/responses/response_type.h"
 #include "fabseq/sequence/sequence_kind.h"
 
@@ -184,9 +185,13 @@ void check_rules(const Config& config) {
   check_layers(config.layers, config.projection, config.effective, config.dimension());
   check_optimizer(config);
   check_region(config);
+  check_process(config.material, config.process, config.thermal.has_value(), config.dimension());
 }
 
 void check_task(const Config& config, Task task) {
+  if (config.process.model == ProcessModel::elastoplastic && task != Task::simulate && task != Task::check)
+    refuse("/process/model", "\"elastoplastic\", whose derivatives are not there yet",
+           "\"linear\", or -task simulate");
   if (task != Task::optimize && task != Task::check_gradients) return;
   const std::string with_task =
       std::string("with -task ") + (task == Task::optimize ? "optimize" : "check_gradients");

@@ -91,6 +91,16 @@ void LayerGroups::broadcast(int owner, std::span<double> values) const {
   if (count_ > 1) fabseq::broadcast(across_, values, owner);
 }
 
+std::vector<double> LayerGroups::from_first(std::size_t length,
+                                            const std::function<std::vector<double>()>& work) const {
+  std::vector<double> result(length);
+  run([&] {
+    if (index() == 0) result = work();
+  });
+  broadcast(0, result);
+  return result;
+}
+
 void LayerGroups::run(const std::function<void()>& work) const { run_in_groups(across(), work); }
 
 }  // namespace fabseq

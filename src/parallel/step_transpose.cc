@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "parallel/step_transpose.h"
+#include "fabseq/parallel/step_transpose.h"
 
 #include <algorithm>
 #include <numeric>

@@ -43,7 +43,9 @@ void AdjointLoads<Dim>::update(const LayerDensities& densities, const ProcessRes
   groups.run([&] {
     for (std::size_t number = 0; number < result.blocks.size(); ++number) {
       const StepBlock& block = result.blocks[number];
-      const LaneVector stiffness = nodal_stiffness(densities, systems_.blocks()[number]);
+      const BlockRegion& region = systems_.blocks()[number];
+      const LaneVector stiffness = systems_.elements().at_nodes(
+          systems_.elements().stiffness(densities, {region.block, region.steps}), block.lanes);
       LaneVector load(stiffness.nodes, Dim, block.lanes);
       for (std::size_t k = 0; k < functionals.size(); ++k) {
         if (of_release(functionals[k])) continue;
@@ -85,24 +87,6 @@ void AdjointLoads<Dim>::add_squares(const StepBlock& block, const LaneVector& lo
     for (int lane = 0; model_.domain.fixed[i] == 0 && lane < block.lanes; ++lane)
       if (load(i, lane) != 0.0)
         squares[block.first + lane] += load(i, lane) * load(i, lane) / stiffness(i / Dim, lane);
-}
-
-template <int Dim>
-LaneVector AdjointLoads<Dim>::nodal_stiffness(const LayerDensities& densities,
-                                              const BlockRegion& block) const {
-  const Grid<Dim>& grid = model_.part.grid();
-  const std::vector<double> of_elements =
-      systems_.elements().stiffness(densities, {block.block, block.steps});
-  const int lanes = block.block.lanes;
-  std::vector<double> of_nodes(static_cast<std::size_t>(grid.ghosted_nodes().count()) * lanes, 0.0);
-  for (std::size_t e = 0; e < model_.elements.size(); ++e)
-    for (const int offset : grid.corner_offsets()) {
-      const std::size_t node = model_.domain.first_corners[e] + offset;
-      for (int lane = 0; lane < lanes; ++lane) of_nodes[node * lanes + lane] += of_elements[e * lanes + lane];
-    }
-  LaneVector result(static_cast<int>(grid.owned_nodes().count()), 1, lanes);
-  grid.exchange(lanes).add_to_owned(of_nodes, result.values);
-  return result;
 }
 
 FABSEQ_INSTANTIATE_CLASS(AdjointLoads);

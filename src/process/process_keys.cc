@@ -39,6 +39,20 @@ Section<MaterialSettings> material_keys() {
            {.range = "(0, inf)", .words = "none", .unit = "kg/length^3"})
       .key("yield_stress", &Its::yield_stress, "Yield stress, to compare the residual stress with",
            {.range = "(0, inf)", .words = "none", .unit = "stress", .option = "-yield_stress"})
+      .key("hardening", &Its::hardening, "Stress per plastic strain, isotropic",
+           {.range = "[0, inf)", .unit = "stress"})
+      .key("temperatures", &Its::temperatures,
+           "Ascending temperatures of the three lists below; linear between them, constant beyond",
+           {.type = KeyType::list, .default_value = "[]", .unit = "degrees C"})
+      .key("young_factors", &Its::young_factors, "Factors on young at these temperatures; empty: 1",
+           {.type = KeyType::list, .default_value = "[]", .range = "(0, inf)"})
+      .key("yield_factors", &Its::yield_factors,
+           "Factors on yield_stress and hardening at these temperatures; empty: 1",
+           {.type = KeyType::list, .default_value = "[]", .range = "(0, inf)"})
+      .key("elongations", &Its::elongations, "Free thermal strain at these temperatures",
+           {.type = KeyType::list, .default_value = "[]"})
+      .key("cut_off", &Its::cut_off, "Temperature above which there is no thermal strain",
+           {.range = "(-273.15, inf)", .words = "none", .unit = "degrees C"})
       .key("conductivity", &Its::conductivity, "Thermal conductivity",
            {.range = "(0, inf)", .words = "none", .unit = "W/(length*K)"})
       .key("heat_capacity", &Its::heat_capacity, "Specific heat capacity",
@@ -67,6 +81,9 @@ Section<MaterialSettings> material_keys() {
 Section<ProcessSettings> process_keys() {
   using Its = ProcessSettings;
   return Section<Its>("process", "Process simulation")
+      .key("model", &Its::model,
+           "Material: linear elastic, or with plastic flow beyond material.yield_stress (3D)",
+           {.words = "linear elastoplastic"})
       .key("stiffness_penalty", &Its::stiffness_penalty, "Exponent p of the density in the stiffness",
            {.range = "[1, inf)"})
       .key("strain_penalty", &Its::strain_penalty,

@@ -72,6 +72,20 @@ std::vector<double> StepElements<Dim>::stiffness(const LayerDensities& densities
 }
 
 template <int Dim>
+LaneVector StepElements<Dim>::at_nodes(std::span<const double> of_elements, int lanes) const {
+  const Grid<Dim>& grid = model_.part.grid();
+  std::vector<double> of_nodes(static_cast<std::size_t>(grid.ghosted_nodes().count()) * lanes, 0.0);
+  for (std::size_t e = 0; e < model_.elements.size(); ++e)
+    for (const int offset : grid.corner_offsets()) {
+      const std::size_t node = model_.domain.first_corners[e] + offset;
+      for (int lane = 0; lane < lanes; ++lane) of_nodes[node * lanes + lane] += of_elements[e * lanes + lane];
+    }
+  LaneVector result(static_cast<int>(grid.owned_nodes().count()), 1, lanes);
+  grid.exchange(lanes).add_to_owned(of_nodes, result.values);
+  return result;
+}
+
+template <int Dim>
 void StepElements<Dim>::set_load(const LayerDensities& densities, const BlockRegion& region,
                                  const StrainSource<Dim>& strains, LaneVector& load) const {
   static const LogEvent event("fabseq loads");

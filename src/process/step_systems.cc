@@ -55,13 +55,10 @@ void StepSystems<Dim>::deal_out(const LayerDensities& densities, std::vector<Bui
   for (const BuildStep& step : steps_) layers.push_back(step.layer);
   deal_ = deal_out_steps(work_of(densities), groups_.count(), lanes_, block_solver_, layers);
   blocks_.clear();
-  groups_.run([&] {
-    for (const StepBlock& block : deal_.blocks[groups_.index()]) {
-      const auto own = std::span(steps_).subspan(block.first, block.lanes);
-      blocks_.push_back(built_ ? built_->of(densities, block, own)
-                               : BlockRegion{block, {own.begin(), own.end()}});
-    }
-  });
+  for (const StepBlock& block : deal_.blocks[groups_.index()]) {
+    const auto own = std::span(steps_).subspan(block.first, block.lanes);
+    blocks_.push_back({block, {own.begin(), own.end()}});
+  }
 }
 
 template <int Dim>
@@ -76,11 +73,11 @@ typename StepSystems<Dim>::Place StepSystems<Dim>::place_of(int step) const {
 
 template <int Dim>
 std::vector<int> StepSystems<Dim>::solve(const LayerDensities& densities, SolvePurpose purpose,
-                                         StepLoads& loads) {
+                                         StepLoads& loads, const ScaleStiffness& scale) {
   Workspace workspace{{}, {}, SolveCount(steps_.size())};
   groups_.run([&] {
     for (std::size_t block = 0; block < blocks_.size(); ++block)
-      solve_block(densities, block, purpose, loads, workspace);
+      solve_block(densities, block, purpose, loads, scale, workspace);
   });
   if (solver_->saves_memory()) solver_->release_memory();
   SolveCount& count = workspace.count;
@@ -92,14 +89,17 @@ std::vector<int> StepSystems<Dim>::solve(const LayerDensities& densities, SolveP
 }
 
 template <int Dim>
-void StepSystems<Dim>::solve_block(const LayerDensities& densities, std::size_t number, SolvePurpose purpose,
-                                   StepLoads& loads, Workspace& workspace) {
-  const std::size_t all = loads.begin(number);
+void StepSystems<Dim>::solve_block(const LayerDensities& densities, std::size_t block, SolvePurpose purpose,
+                                   StepLoads& loads, const ScaleStiffness& scale, Workspace& workspace) {
+  BlockRegion& region = blocks_[block];
+  if (built_ && purpose == SolvePurpose::forward)
+    region = built_->of(densities, region.block, std::vector<BuildStep>(region.steps));
+  const std::size_t all = loads.begin(block);
   if (all == 0) return;
-  const bool forward = purpose == SolvePurpose::forward;
-  const BlockRegion& region = blocks_[number];
-  solver_->set_operators(region.block.first, region.block.lanes, elements_.stiffness(densities, region),
-                         /*changed=*/forward);
+  std::vector<double> stiffness = elements_.stiffness(densities, region);
+  if (scale) scale(region, stiffness);
+  solver_->set_operators(region.block.first, region.block.lanes, stiffness,
+                         /*changed=*/purpose == SolvePurpose::forward);
   const std::size_t at_once = std::min(all, solver_->sets_at_once());
   workspace.loads.resize(at_once);
   workspace.solutions.resize(at_once);
@@ -108,15 +108,16 @@ void StepSystems<Dim>::solve_block(const LayerDensities& densities, std::size_t 
     for (std::size_t i = 0; i < count; ++i) {
       resize(workspace.loads[i], owned_nodes(), Dim, region.block.lanes);
       resize(workspace.solutions[i], owned_nodes(), Dim, region.block.lanes);
-      loads.set(number, first + i, workspace.loads[i]);
+      loads.set(block, first + i, workspace.loads[i]);
     }
     const auto reports =
         solver_->solve(std::span(workspace.loads).first(count), std::span(workspace.solutions).first(count));
     for (std::size_t i = 0; i < count; ++i) {
-      workspace.count.add(reports[i], region, forward ? "forward" : "adjoint");
-      loads.take(number, first + i, workspace.solutions[i]);
+      workspace.count.add(reports[i], region, purpose == SolvePurpose::adjoint ? "adjoint" : "forward");
+      loads.take(block, first + i, workspace.solutions[i]);
     }
   }
+  loads.end(block);
 }
 
 FABSEQ_INSTANTIATE_CLASS(StepSystems);

@@ -143,20 +143,14 @@ std::vector<double> release_displacement(const Model<Dim>& model, const Pipeline
                                          const StageResults<Dim>& state, std::string& failure) {
   if (!state.process->release.empty()) return state.process->release;  // a term asked for it
   if (!release_obstacle(model.grid, model.supports, model.settings.process.void_model).empty()) return {};
-  const ElasticProcess<Dim>& process = pipeline.process();
-  const std::vector<double> reactions = process.reactions(*state.densities);
   const SolverSettings& solver = model.settings.solver;
-  std::vector<double> release;
   try {
-    process.groups().run([&] {
-      release = Release<Dim>(process.model(), release_solver(solver, solver.finest_tolerance()))
-                    .displacement(reactions);
-    });
+    return pipeline.process().release_displacement(*state.densities,
+                                                   release_solver(solver, solver.finest_tolerance()));
   } catch (const NumericalError& error) {
     failure = error.what();
     return {};
   }
-  return release;
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ class StressNumbers : public FoundNumbers {
     if (!yield) return std::nullopt;
     const Part<Dim>& part = sequence.part();
     const std::vector<double> stress =
-        residual_stress(sequence.pipeline->process(), *sequence.state->densities);
+        sequence.pipeline->process().locked_in(*sequence.state->densities).stress;
     fields.add({"von_mises", equivalent_stress(part, stress), 1, /*with_binary=*/true});
     return StressNumbers(stress_extremes(part, stress).von_mises, share_beyond(part, stress, *yield), *yield);
   }

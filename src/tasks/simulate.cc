@@ -29,7 +29,7 @@ namespace {
 
 /// sqrt of the sum over all nodes of |increment|^2, one per layer.
 template <int Dim>
-std::vector<double> increment_norms(const ElasticProcess<Dim>& process, int layers, MPI_Comm comm) {
+std::vector<double> increment_norms(const Process<Dim>& process, int layers, MPI_Comm comm) {
   std::vector<double> norms(layers, 0.0);
   for (int j = 0; j < layers; ++j)
     for (const double u : process.layer_increment(j, true)) norms[j] += u * u;
@@ -40,7 +40,7 @@ std::vector<double> increment_norms(const ElasticProcess<Dim>& process, int laye
 
 /// Displacement after every layer, as stages/displacement.
 template <int Dim>
-void write_stages(Hdf5Writer& file, const Setup<Dim>& setup, const ElasticProcess<Dim>& process, int layers) {
+void write_stages(Hdf5Writer& file, const Setup<Dim>& setup, const Process<Dim>& process, int layers) {
   std::vector<double> displacement(static_cast<std::size_t>(setup.grid.owned_nodes().count()) * Dim, 0.0);
   for (int j = 0; j < layers; ++j) {
     const std::vector<double> increment = process.layer_increment(j, true);
@@ -53,11 +53,11 @@ void write_stages(Hdf5Writer& file, const Setup<Dim>& setup, const ElasticProces
 /// Residual stress, before or after the release.
 template <int Dim>
 struct Stress {
-  std::vector<double> field;
+  LockedIn found;
   StressExtremes<Dim> extremes;
 
-  Stress(const Part<Dim>& part, std::vector<double> field_)
-      : field(std::move(field_)), extremes(stress_extremes(part, field)) {}
+  Stress(const Part<Dim>& part, LockedIn found_)
+      : found(std::move(found_)), extremes(stress_extremes(part, found.stress)) {}
 };
 
 /// What a simulation found out.
@@ -73,26 +73,19 @@ struct Simulation {
   const FinishedShape& shape() const { return *report.finished; }
 };
 
-template <int Dim>
-Stress<Dim> released_stress(const ElasticModel<Dim>& model, const Part<Dim>& part,
-                            const Simulation<Dim>& simulation) {
-  std::vector<double> stress = finished_stress(model, model.on_all_nodes(simulation.shape().release));
-  for (std::size_t i = 0; i < stress.size(); ++i) stress[i] += simulation.stress.field[i];
-  return {part, std::move(stress)};
-}
-
 /// What the last run of a pipeline comes to.
 template <int Dim>
 Simulation<Dim> simulation_of(const Setup<Dim>& setup, Pipeline<Dim>& pipeline,
                               const StageResults<Dim>& state, SequenceReport report) {
-  const ElasticProcess<Dim>& process = pipeline.process();
+  const Process<Dim>& process = pipeline.process();
   Simulation<Dim> result{std::move(report),
-                         {setup.part, residual_stress(process, *state.densities)},
+                         {setup.part, process.locked_in(*state.densities)},
                          increment_norms(process, state.densities->count(), setup.grid.comm())};
   result.report.strain = strain_when_built(pipeline);
   const FinishedShape& shape = result.shape();
   if (shape.released)
-    result.released = released_stress(process.model(), setup.part, result);
+    result.released = Stress<Dim>(
+        setup.part, process.released(*state.densities, process.model().on_all_nodes(shape.release)));
   else if (shape.failure.empty())
     warn("no release_displacement: " +
          release_obstacle(setup.grid, setup.supports, setup.config.process.void_model));
@@ -114,8 +107,12 @@ void write_fields(const Setup<Dim>& setup, const OutputDirectory& directory, Pip
   if (has_design)
     fields.add(setup.design_support.on_nodes(), "design", design, setup.design_support.components());
   add_sequence_fields(fields, setup.part, simulation.report, "");
-  fields.add_elements("residual_stress", simulation.stress.field, voigt_size<Dim>);
-  if (released) fields.add_elements("released_stress", released->field, voigt_size<Dim>);
+  const LockedIn& built = simulation.stress.found;
+  fields.add_elements("residual_stress", built.stress, voigt_size<Dim>);
+  if (!built.plastic_strain.empty()) fields.add_elements("plastic_strain", built.plastic_strain);
+  if (released) fields.add_elements("released_stress", released->found.stress, voigt_size<Dim>);
+  if (released && !released->found.plastic_strain.empty())
+    fields.add_elements("released_plastic_strain", released->found.plastic_strain);
   Hdf5Writer file(setup.world(), directory.file("result.h5"));
   file.template write_fields<Dim>(fields);
   write_layer_variables(file, setup.layers->variables(), "", simulation.design);
@@ -201,7 +198,7 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   write_fields(setup, directory, last, simulation);
   const Json record = to_record(setup, simulation, {timer.seconds(), MPI_Wtime() - start});
   directory.write("summary.json", to_text(record, 2) + "\n");
-  print(last.process().systems().solver_description());
+  print(last.process().description());
   print_numbers(setup, simulation);
   print("results in " + directory.path());
   const std::string& failure = simulation.shape().failure;

@@ -3,6 +3,7 @@
 
 #include "fabseq/chain/stages.h"
 #include "fabseq/layers/curved_layers.h"
+#include "fabseq/process/superposition.h"
 #include "fabseq/report/sequence_report.h"
 #include "fabseq/responses/response_type.h"
 #include "fabseq/sequence/given_sequence.h"

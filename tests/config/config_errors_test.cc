@@ -100,6 +100,33 @@ TEST(ConfigErrorsTest, WrongTypes) {
   EXPECT_LT(message.size(), 130U) << message;
 }
 
+TEST(ConfigErrorsTest, PlasticFlow) {
+  const auto error = [](Settings more) {
+    more.insert(more.begin(), {{"process.model", "elastoplastic"}, {"material.yield_stress", "400"}});
+    try {
+      configure(solid, more);
+    } catch (const InputError& found) {
+      return std::string(found.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(error({}), "");
+  EXPECT_EQ(error({{"material.yield_stress", "none"}}),
+            "/material/yield_stress: found \"none\" with process.model \"elastoplastic\"; allowed: a number");
+  EXPECT_EQ(
+      error({{"process.deposition", "follow"}}),
+      "/process/deposition: found \"follow\" with process.model \"elastoplastic\"; allowed: \"nominal\"");
+  EXPECT_EQ(error({{"material.scenarios", "[[1, 1, 1]]"}}),
+            "/material/scenarios: found [[1.0,1.0,1.0]] with process.model \"elastoplastic\"; allowed: []: "
+            "displacements are not linear in the strain");
+  EXPECT_EQ(
+      error({{"material.temperatures", "[20, 20]"}}),
+      "/material/temperatures: found [20.0,20.0]; allowed: temperatures that rise from one to the next");
+  EXPECT_EQ(
+      error({{"material.temperatures", "[20, 800]"}, {"material.young_factors", "[1]"}}),
+      "/material/young_factors: found 1 numbers; allowed: none, or as many as in /material/temperatures: 2");
+}
+
 TEST(ConfigErrorsTest, OutOfRange) {
   EXPECT_EQ(solid_error("material.poisson", "0.5"),
             "/material/poisson: found 0.5; allowed: a number in (-1, 0.5)");

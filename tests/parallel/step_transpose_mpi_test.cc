@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Blocks of steps to histories of elements and back, for every division of the ranks into groups.
 #include "fabseq/base/mpi.h"
-#include "parallel/step_transpose.h"
+#include "fabseq/parallel/step_transpose.h"
 
 #include <gtest/gtest.h>
 

@@ -86,7 +86,7 @@ struct ProcessCase {
   }
   /// Simulates a step that adds each layer, one in which what stands is strained, and a last of that kind.
   const ProcessResult& simulate_cooling(const LayerDensities& layers, const StrainSource<Dim>& strains) {
-    return simulation.simulate(layers, strains, cooling_steps(layers.count()));
+    return simulation.simulate({layers, strains, cooling_steps(layers.count())});
   }
   static std::vector<BuildStep> cooling_steps(int layers) {
     std::vector<BuildStep> result;

@@ -39,8 +39,8 @@ class Pipeline {
   Pipeline(const Model<Dim>& model, double tolerance, PhaseTimer& timer);
 
   Sequence<Dim>& sequence() { return sequence_->sequence(); }
-  const ElasticProcess<Dim>& process() const { return process_->process(); }
-  ElasticProcess<Dim>& process() { return process_->process(); }
+  const Process<Dim>& process() const { return process_->process(); }
+  Process<Dim>& process() { return process_->process(); }
 
   /// Evaluates the stages for a design; `beta` and `binary` are those of LayerModel::make(). The state refers
   /// to results that stay valid until the next run.

@@ -2,8 +2,10 @@
 #pragma once
 
 #include "fabseq/chain/stage.h"
-#include "fabseq/process/elastic_process.h"
+#include "fabseq/process/process.h"
 
+#include <memory>
+#include <optional>
 #include <vector>
 
 namespace fabseq {
@@ -14,15 +16,15 @@ class ProcessStage : public Stage<Dim> {
  public:
   explicit ProcessStage(StageContext<Dim>& context);
 
-  ElasticProcess<Dim>& process() { return process_; }
+  Process<Dim>& process() { return *process_; }
 
   void forward(const StageInput& input, StageResults<Dim>& results) override;
   void pull_back(const StageResults<Dim>& state, const SolveTolerance& tolerance,
                  AdjointRowSpan<Dim> rows) override;
   Phase phase() const override { return Phase::primal; }
   Phase adjoint_phase() const override { return Phase::adjoint; }
-  void start_cold() override { process_.start_cold(); }
-  void release_memory() override { process_.release_memory(); }
+  void start_cold() override { process_->start_cold(); }
+  void release_memory() override { process_->release_memory(); }
   /// Saves by what work the layers are dealt out next.
   void save(CheckpointState& state) const override;
   void restore(const CheckpointState& state) override;
@@ -30,7 +32,9 @@ class ProcessStage : public Stage<Dim> {
 
  private:
   ElasticModel<Dim> elastic_;
-  ElasticProcess<Dim> process_;
+  std::unique_ptr<Process<Dim>> process_;
+  bool flows_;                                ///< beyond a yield stress: all elements count throughout
+  std::optional<ThermalProperties> thermal_;  ///< of the steps' temperatures, where the material flows
   std::vector<int> forward_iterations_, adjoint_iterations_;
 };
 

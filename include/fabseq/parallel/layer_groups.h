@@ -54,6 +54,9 @@ class LayerGroups {
   void sum_at(int owner, std::span<double> values) const;
   /// Copies the values of group `owner` to all copies, in place.
   void broadcast(int owner, std::span<double> values) const;
+  /// A field of so many entries that the first group finds for all, as a single right-hand side cannot be
+  /// shared out. Collective on world(); errors are thrown in all groups.
+  std::vector<double> from_first(std::size_t length, const std::function<std::vector<double>()>& work) const;
   /// Runs work in which each group acts on its own. If it fails in one group, the error is thrown in all
   /// (run_in_groups()).
   void run(const std::function<void()>& work) const;

@@ -41,8 +41,6 @@ class AdjointLoads {
   /// Adds |b_j|^2 of this rank's steps and nodes to `squares`, by step.
   void add_squares(const StepBlock& block, const LaneVector& load, const LaneVector& stiffness,
                    std::span<double> squares) const;
-  /// Stiffness factors of the elements at each owned node, summed up.
-  LaneVector nodal_stiffness(const LayerDensities& densities, const BlockRegion& block) const;
 
   const StepSystems<Dim>& systems_;
   const ElasticModel<Dim>& model_;

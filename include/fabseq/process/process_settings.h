@@ -33,6 +33,12 @@ struct MaterialSettings {
   std::string name = {};  ///< a label, empty: none
   std::optional<double> mass_density = std::nullopt;  ///< kg / length^3
   std::optional<double> yield_stress = std::nullopt;  ///< stress unit
+  double hardening = 0.0;                             ///< stress per plastic strain
+  // By temperature, for plastic flow (MaterialCurves); empty: no dependence.
+  std::vector<double> temperatures = {};  ///< degrees Celsius, ascending
+  std::vector<double> young_factors = {}, yield_factors = {};
+  std::vector<double> elongations = {};          ///< free strain
+  std::optional<double> cut_off = std::nullopt;  ///< no thermal strain above, degrees Celsius
   // What a block `thermal` takes where it says "material".
   std::optional<double> conductivity = std::nullopt;    ///< W/(length K)
   std::optional<double> heat_capacity = std::nullopt;   ///< J/(kg K)
@@ -41,11 +47,15 @@ struct MaterialSettings {
 
 enum class VoidModel { absent, quiet };
 
+/// What the material of a process does: it is linear elastic, or flows beyond its yield stress.
+enum class ProcessModel { linear, elastoplastic };
+
 /// Where new material goes: where the drawing says, or with what stands already (docs/formulation.md 4.6).
 enum class DepositionModel { nominal, follow };
 
 /// The material model, docs/formulation.md 4.1.
 struct ProcessSettings {
+  ProcessModel model = ProcessModel::linear;
   double stiffness_penalty = 3.0;
   double strain_penalty = 3.0;
   double min_stiffness = 1e-9;

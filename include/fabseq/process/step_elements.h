@@ -25,6 +25,8 @@ class StepElements {
 
   /// Stiffness factor of each element of the model, [element][lane].
   std::vector<double> stiffness(const LayerDensities& densities, const BlockRegion& region) const;
+  /// Sums of element values, [element of the model][lane], over the elements at each owned node. Collective.
+  LaneVector at_nodes(std::span<const double> of_elements, int lanes) const;
   /// Sets `load` to f_s (BuildStep), one lane per step. Collective.
   void set_load(const LayerDensities& densities, const BlockRegion& region, const StrainSource<Dim>& strains,
                 LaneVector& load) const;

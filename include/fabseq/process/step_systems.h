@@ -10,6 +10,7 @@
 #include "fabseq/solve/elasticity_solver.h"
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -27,10 +28,16 @@ class StepLoads {
   virtual std::size_t begin(std::size_t block) = 0;
   virtual void set(std::size_t block, std::size_t side, LaneVector& load) = 0;
   virtual void take(std::size_t block, std::size_t side, LaneVector& solution) = 0;
+  /// Ends a block, whose sides have all been taken.
+  virtual void end(std::size_t /*block*/) {}
 };
 
-/// What the systems are solved for.
-enum class SolvePurpose { forward, adjoint };
+/// What the systems are solved for: after a change of the densities, once more with the same ones, or for
+/// adjoints.
+enum class SolvePurpose { forward, correction, adjoint };
+
+/// Changes the stiffness factors of the systems of a block, [element][lane].
+using ScaleStiffness = std::function<void(const BlockRegion& block, std::span<double> stiffness)>;
 
 /// The elastic systems of all steps of a process (docs/formulation.md 4.1), K_s du_s = f_s with the plate
 /// fixed,
@@ -52,9 +59,10 @@ class StepSystems {
   /// Whether systems that are dealt out later take only what is built into account (BuiltRegion). The solver
   /// must leave out elements without stiffness then.
   void leave_out_unbuilt(bool built);
-  /// Deals the steps out to the groups, and finds the elements of the systems of this group's.
+  /// Deals the steps out to the groups. The elements that count in a block are found when it is solved first.
   void deal_out(const LayerDensities& densities, std::vector<BuildStep> steps);
   const std::vector<BuildStep>& steps() const { return steps_; }
+  const StepDeal& deal() const { return deal_; }
   /// The blocks of this group. Local.
   const std::vector<BlockRegion>& blocks() const { return blocks_; }
   /// This rank's nodes that have increments in a block, ascending; valid until the next deal_out(). Local.
@@ -72,7 +80,9 @@ class StepSystems {
   /// Solves the systems of this group's blocks for all their right-hand sides, as many at a time as the
   /// solver can use; the operators of a block are set up once. Returns the iterations of each step, all of
   /// them, the largest of its sides. Throws NumericalError naming the layer if a system does not converge.
-  std::vector<int> solve(const LayerDensities& densities, SolvePurpose purpose, StepLoads& loads);
+  /// `scale`: changes the stiffness that follows from the densities, if given.
+  std::vector<int> solve(const LayerDensities& densities, SolvePurpose purpose, StepLoads& loads,
+                         const ScaleStiffness& scale = {});
   /// Later systems are solved to this tolerance.
   void set_tolerance(const SolveTolerance& tolerance) { solver_->set_tolerance(tolerance); }
   /// Forgets what earlier solves have left in the solver for later ones (ElasticitySolver::start_cold()).
@@ -94,7 +104,7 @@ class StepSystems {
  private:
   struct Workspace;
   void solve_block(const LayerDensities& densities, std::size_t block, SolvePurpose purpose, StepLoads& loads,
-                   Workspace& workspace);
+                   const ScaleStiffness& scale, Workspace& workspace);
   std::vector<double> work_of(const LayerDensities& densities) const;
 
   const ElasticModel<Dim>& model_;

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "fabseq/process/process.h"
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace fabseq {
+
+/// The layer-by-layer simulation of a material that flows, and whose modulus, yield stress and length follow
+/// the temperature (docs/formulation.md 16). All steps are solved at once: each sweep finds the history of
+/// every element, and corrects the displacements of all steps by elastic solves, which Anderson's method
+/// accelerates (PlasticSweeps). The release, which ends every simulation that has one, may flow as well.
+///
+/// Layer groups share the steps when they solve, and the elements when they find histories (StepTranspose).
+class PlasticProcess : public Process<3> {
+ public:
+  /// The material must have a yield stress.
+  PlasticProcess(const ElasticModel<3>& model, std::unique_ptr<ElasticitySolver<3>> solver,
+                 const LayerGroups& groups, BlockSolver blocks, int lanes = widest_block);
+
+  /// Simulates until the displacements change by less than a tenth of the tolerance. Throws NumericalError if
+  /// the sweeps do not converge. Inherent strains count where there are no temperatures.
+  const ProcessResult& simulate(const ProcessInput<3>& input) override;
+  /// Throws std::logic_error: derivatives are not there yet, and the config refuses what needs them.
+  void pull_back(const LayerDensities& densities, std::span<const ProcessAdjoint> functionals,
+                 std::span<const ProcessDerivatives> derivatives) override;
+  std::vector<double> release_displacement(const LayerDensities&, const ReleaseSolver&) const override {
+    return result_.release;
+  }
+  LockedIn locked_in(const LayerDensities&) const override { return built_; }
+  LockedIn released(const LayerDensities&, std::span<const double>) const override { return released_; }
+  void set_tolerance(const SolveTolerance& tolerance) override { tolerance_ = tolerance.value; }
+  std::string description() const override;
+  /// Sweeps of the last simulation. Local.
+  int sweeps() const { return sweeps_; }
+
+ private:
+  /// What this rank's share of the elements has, on all owned elements.
+  LockedIn gathered(const std::vector<double>& stress, const std::vector<double>& plastic_strain) const;
+
+  double tolerance_ = 1e-6;
+  int sweeps_ = 0;
+  LockedIn built_, released_;
+};
+
+}  // namespace fabseq
