@@ -34,8 +34,8 @@ struct StepDeal {
 /// falling work, each to the group with least work so far. They are halved while that pays: when there are
 /// fewer blocks than groups, or when their sums per group are uneven. A single group gets whole blocks.
 ///
-/// `layers`: the layer of each step, ascending; empty: each has its own. A block has all steps of a layer,
-/// and so as many as fit in `widest`, or those of a single layer. The result depends on the arguments only,
+/// `layers`: the layer of each step, ascending; empty: each has its own. A block has whole layers: as
+/// many as fit in `widest` steps, at least one. The result depends on the arguments only,
 /// so all ranks get the same one. Not collective.
 StepDeal deal_out_steps(std::span<const double> work, int groups, int widest, BlockSolver solver,
                         std::span<const int> layers = {});
