@@ -11,8 +11,8 @@ namespace {
 
 class StressNumbers : public FoundNumbers {
  public:
-  StressNumbers(double von_mises, double share, double yield)
-      : von_mises_(von_mises), share_beyond_yield_(share), yield_(yield) {}
+  StressNumbers(double von_mises, double share, double yield, bool flows)
+      : von_mises_(von_mises), share_beyond_yield_(share), yield_(yield), flows_(flows) {}
 
   template <int Dim>
   static std::optional<StressNumbers> measure(const MeasuredSequence<Dim>& sequence, BuildFields& fields) {
@@ -22,7 +22,8 @@ class StressNumbers : public FoundNumbers {
     const std::vector<double> stress =
         sequence.pipeline->process().locked_in(*sequence.state->densities).stress;
     fields.add({"von_mises", equivalent_stress(part, stress), 1, /*with_binary=*/true});
-    return StressNumbers(stress_extremes(part, stress).von_mises, share_beyond(part, stress, *yield), *yield);
+    return StressNumbers(stress_extremes(part, stress).von_mises, share_beyond(part, stress, *yield), *yield,
+                         sequence.settings().process.model == ProcessModel::elastoplastic);
   }
 
   void add_record(Json& block) const override {
@@ -31,7 +32,8 @@ class StressNumbers : public FoundNumbers {
 
   /// No warning: with measured strains of steel it is nearly everywhere.
   std::vector<std::string> words() const override {
-    const std::string up_to = formatted("residual stress, without plastic flow: up to %.4g, ", von_mises_);
+    const std::string up_to =
+        formatted("residual stress, %s plastic flow: up to %.4g, ", flows_ ? "with" : "without", von_mises_);
     if (share_beyond_yield_ == 0.0) return {up_to + formatted("nowhere above the yield stress %.4g", yield_)};
     return {up_to + formatted("above the yield stress %.4g in %.3g %% of the part", yield_,
                               100.0 * share_beyond_yield_)};
@@ -41,6 +43,7 @@ class StressNumbers : public FoundNumbers {
   double von_mises_;           ///< largest equivalent stress, stress unit
   double share_beyond_yield_;  ///< of the part's volume
   double yield_;               ///< stress unit
+  bool flows_;                 ///< whether the material flows beyond it
 };
 
 const RegisteredFinding<StressNumbers> registered_stress({"stress", 100, MeasuredIn::reports});
