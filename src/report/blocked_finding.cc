@@ -21,9 +21,9 @@ class BlockedNumbers : public FoundNumbers {
   static std::optional<BlockedNumbers> measure(const MeasuredSequence<Dim>& sequence, BuildFields& fields) {
     BlockedNumbers result(sequence.settings().unit);
     const ToolSettings& tool = sequence.settings().tool;
-    const std::vector<double> axis = torch_axis<Dim>(sequence.part(), tool, sequence.direction);
-    if (tool.profile.empty() || !any(sequence.part().grid().comm(), !axis.empty())) return result;
-    std::vector<double> depth = blocked_depth<Dim>(sequence.part(), Torch(tool), axis, sequence.layer_index);
+    if (tool.profile.empty() || !any(sequence.part().grid().comm(), !sequence.axis.empty())) return result;
+    std::vector<double> depth =
+        blocked_depth<Dim>(sequence.part(), Torch(tool), sequence.axis, sequence.layer_index);
     result.marked_ = sequence.count(depth, MarkedPlace::largest);
     fields.add({"blocked", std::move(depth)});
     return result;

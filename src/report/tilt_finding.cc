@@ -23,12 +23,10 @@ class TiltNumbers : public FoundNumbers {
 
   template <int Dim>
   static std::optional<TiltNumbers> measure(const MeasuredSequence<Dim>& sequence, BuildFields& fields) {
-    const ToolSettings& tool = sequence.settings().tool;
-    TiltNumbers result(tool.max_tilt);
+    TiltNumbers result(sequence.settings().tool.max_tilt);
     const MPI_Comm comm = sequence.part().grid().comm();
-    const std::vector<double> axis = torch_axis<Dim>(sequence.part(), tool, sequence.direction);
-    if (!any(comm, !axis.empty())) return result;
-    std::vector<double> tilt = torch_tilt<Dim>(sequence.part(), axis);
+    if (!any(comm, !sequence.axis.empty())) return result;
+    std::vector<double> tilt = torch_tilt<Dim>(sequence.part(), sequence.axis);
     double largest = 0.0;
     for (const double angle : tilt) largest = std::max(largest, angle);
     result.largest_ = max(comm, largest);
