@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /// \file
-/// Temperatures of a simulation as the steps of a process take them (docs/formulation.md 16.1).
+/// Temperatures of a simulation as the steps of a process take them (docs/formulation.md 16).
 #pragma once
 
 #include "fabseq/process/build_step.h"

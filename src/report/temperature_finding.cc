@@ -4,6 +4,7 @@
 #include "fabseq/base/formatted.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/chain/part_temperature.h"
+#include "fabseq/grid/corner_means.h"
 #include "fabseq/report/finding.h"
 #include "report/temperature_numbers.h"
 
@@ -52,7 +53,8 @@ class ElementTemperatures {
   std::vector<double> means_at_end(int number) const {
     const auto nodes = static_cast<std::size_t>(part_.grid().owned_nodes().count());
     std::vector<double> result =
-        part_means(part_, spread_out(temperatures_.at_end(number), temperatures_.nodes, nodes));
+        corner_means(part_.grid(), part_.first_corners(),
+                     spread_out(temperatures_.at_end(number), temperatures_.nodes, nodes));
     for (double& mean : result) mean += ambient_;
     return result;
   }

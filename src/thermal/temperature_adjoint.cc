@@ -2,6 +2,7 @@
 #include "thermal/temperature_adjoint.h"
 
 #include "fabseq/base/mpi.h"
+#include "fabseq/grid/corner_means.h"
 
 #include <algorithm>
 #include <array>
@@ -68,7 +69,7 @@ void BackwardSteps<Dim>::add_interpass(Block& block, int number) {
   const std::vector<double> theta =
       spread_out(temperatures_.at_end(number), model_.nodes, model_.domain.fixed.size());
   const std::vector<double> weight = ThermalModel<Dim>::weights(densities_.layer[number]),
-                            mean = part_means(model_.part, theta);
+                            mean = corner_means(grid, model_.part.first_corners(), theta);
   const double total = sum(grid.comm(), std::accumulate(weight.begin(), weight.end(), 0.0)),
                excess = temperatures_.interpass[number + 1] - model_.properties.ambient;
   const std::vector<double> of_nodes = model_.lumped(model_.part.first_corners(), weight, 1.0 / total);

@@ -2,6 +2,7 @@
 #include "fabseq/thermal/thermal_model.h"
 
 #include "fabseq/base/mpi.h"
+#include "fabseq/grid/corner_means.h"
 
 #include <algorithm>
 #include <numeric>
@@ -197,17 +198,6 @@ std::vector<ThermalStep> ThermalModel<Dim>::steps(double mass, double inner_paus
 }
 
 template <int Dim>
-std::vector<double> part_means(const Part<Dim>& part, std::span<const double> field) {
-  const Grid<Dim>& grid = part.grid();
-  const std::vector<double> ghosted = grid.exchange(1).ghosted(field);
-  std::vector<double> result(part.elements().size(), 0.0);
-  for (std::size_t e = 0; e < result.size(); ++e)
-    for (const int corner : grid.corner_offsets())
-      result[e] += ghosted[part.first_corners()[e] + corner] / corner_count<Dim>;
-  return result;
-}
-
-template <int Dim>
 std::vector<double> ThermalModel<Dim>::weights(const std::vector<double>& layer_density) {
   std::vector<double> result = layer_density;
   for (double& weight : result) weight += layer_density_floor;
@@ -217,7 +207,8 @@ std::vector<double> ThermalModel<Dim>::weights(const std::vector<double>& layer_
 template <int Dim>
 double ThermalModel<Dim>::interpass(const std::vector<double>& layer_density,
                                     std::span<const double> theta) const {
-  const std::vector<double> weight = weights(layer_density), mean = part_means(part, theta);
+  const std::vector<double> weight = weights(layer_density),
+                            mean = corner_means(part.grid(), part.first_corners(), theta);
   std::array<double, 2> sums{std::inner_product(weight.begin(), weight.end(), mean.begin(), 0.0),
                              std::accumulate(weight.begin(), weight.end(), 0.0)};
   sum_in_place(part.grid().comm(), std::span<double>(sums));
@@ -225,6 +216,5 @@ double ThermalModel<Dim>::interpass(const std::vector<double>& layer_density,
 }
 
 FABSEQ_INSTANTIATE_STRUCT(ThermalModel);
-FABSEQ_INSTANTIATE_FUNCTION(part_means);
 
 }  // namespace fabseq

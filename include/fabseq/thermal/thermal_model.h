@@ -94,11 +94,6 @@ struct ThermalModel {
   std::vector<double> plate_lift_;  ///< the plate's excess on held nodes, ghosted; empty: it has none
 };
 
-/// Means of a field on the owned nodes over the nodes of each part element. Collective on the grid's
-/// communicator.
-template <int Dim>
-std::vector<double> part_means(const Part<Dim>& part, std::span<const double> field);
-
 /// The values of a nodal field at these of its nodes, and back, 0 at others.
 std::vector<double> picked(std::span<const double> field, std::span<const int> nodes);
 std::vector<double> spread_out(std::span<const double> values, std::span<const int> nodes, std::size_t count);
