@@ -45,7 +45,8 @@ std::vector<ProcessAdjoint> process_functionals(ProcessFunctionals& row, const P
   std::vector<ProcessAdjoint> functionals = std::move(row.combinations);
   if (functionals.empty() || !row.is_zero())
     functionals.push_back(std::move(static_cast<ProcessAdjoint&>(row)));
-  return result.linear() ? result.superposition->reduced(std::move(functionals)) : functionals;
+  if (result.linear()) return result.superposition->reduced(std::move(functionals));
+  return functionals;
 }
 
 /// What a path needs, measured (docs/developer/measuring.md).
@@ -104,9 +105,10 @@ ProcessStage<Dim>::ProcessStage(StageContext<Dim>& context)
   const bool is_measured =
       any_measures_release(settings.objective) || any_measures_release(settings.constraints);
   // What flows in the release is found with all else.
-  const bool can_be_released =
-      release_obstacle(context.model.grid, context.model.supports, settings.process.void_model).empty();
-  if (is_measured || (flows_ && can_be_released))
+  const auto can_be_released = [&] {
+    return release_obstacle(context.model.grid, context.model.supports, settings.process.void_model).empty();
+  };
+  if (is_measured || (flows_ && can_be_released()))
     process_->release_with(release_solver(settings.solver, context.tolerance));
   if (flows_ && settings.thermal) thermal_.emplace(*settings.thermal, settings.material, settings.process);
 }
@@ -116,11 +118,10 @@ void ProcessStage<Dim>::forward(const StageInput& input, StageResults<Dim>& resu
   process_->set_tolerance(elasticity_tolerance(input.tolerance));
   process_->systems().leave_out_unbuilt(input.region == SolverRegion::built && !flows_);
   ProcessInput<Dim> input_of_process{*results.densities, *results.strains, {}};
-  StepTemperatures temperatures;
   if (thermal_) {
     input_of_process.steps = steps_of_heated_layers(results.densities->count(), *thermal_);
-    temperatures = step_temperatures(elastic_, *thermal_, *results.temperatures, input_of_process.steps);
-    input_of_process.temperatures = &temperatures;
+    temperatures_ = step_temperatures(elastic_, *thermal_, *results.temperatures, input_of_process.steps);
+    input_of_process.temperatures = &temperatures_;
   } else {
     input_of_process.steps = steps_of_layers(results.densities->count());
   }

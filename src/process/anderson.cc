@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "process/anderson.h"
 
+#include "fabseq/base/blas.h"
 #include "fabseq/base/mpi.h"
 
 #include <algorithm>
@@ -13,22 +14,6 @@ namespace {
 /// Share of the largest diagonal entry that is added to all of the normal equations: it keeps steps that
 /// hardly differ from weighing much.
 constexpr double regularization = 1e-12;
-
-/// Solves a symmetric positive system by elimination; `matrix` row by row.
-std::vector<double> solved(std::vector<double> matrix, std::vector<double> right) {
-  const std::size_t n = right.size();
-  for (std::size_t k = 0; k < n; ++k)
-    for (std::size_t i = k + 1; i < n; ++i) {
-      const double factor = matrix[i * n + k] / matrix[k * n + k];
-      for (std::size_t j = k; j < n; ++j) matrix[i * n + j] -= factor * matrix[k * n + j];
-      right[i] -= factor * right[k];
-    }
-  for (std::size_t k = n; k-- > 0;) {
-    for (std::size_t j = k + 1; j < n; ++j) right[k] -= matrix[k * n + j] * right[j];
-    right[k] /= matrix[k * n + k];
-  }
-  return right;
-}
 
 std::vector<double> difference(const std::vector<double>& a, const std::vector<double>& b) {
   std::vector<double> result(a.size());
@@ -74,10 +59,14 @@ void Anderson::advance(std::vector<double>& x, const std::vector<double>& step) 
     largest = std::max(largest, matrix[i * count + i]);
   }
   for (std::size_t i = 0; i < count; ++i) matrix[i * count + i] += regularization * largest;
-  const std::vector<double> factors = largest > 0.0 ? solved(matrix, right) : std::vector<double>(count, 0.0);
+  // Steps that rounding makes dependent are not combined.
+  const int size = static_cast<int>(count), one = 1;
+  int failed = 0;
+  if (count > 0) dposv_("L", &size, &one, matrix.data(), &size, right.data(), &size, &failed);
+  if (failed != 0) std::ranges::fill(right, 0.0);
   for (std::size_t i = 0; i < x.size(); ++i) {
     x[i] += step[i];
-    for (std::size_t k = 0; k < count; ++k) x[i] -= factors[k] * (x_changes_[k][i] + step_changes_[k][i]);
+    for (std::size_t k = 0; k < count; ++k) x[i] -= right[k] * (x_changes_[k][i] + step_changes_[k][i]);
   }
 }
 

@@ -99,12 +99,9 @@ LockedIn ElasticProcess<Dim>::locked_in(const LayerDensities& densities) const {
 }
 
 template <int Dim>
-LockedIn ElasticProcess<Dim>::released(const LayerDensities& densities,
-                                       std::span<const double> release) const {
-  LockedIn result = locked_in(densities);
-  const std::vector<double> change = finished_stress(model(), release);
-  for (std::size_t i = 0; i < change.size(); ++i) result.stress[i] += change[i];
-  return result;
+LockedIn ElasticProcess<Dim>::released(LockedIn built, std::span<const double> release) const {
+  add_scaled(built.stress, 1.0, finished_stress(model(), release));
+  return built;
 }
 
 template <int Dim>

@@ -9,7 +9,7 @@
 
 namespace fabseq {
 
-/// The displacement of an H8 element as the plastic process needs it (docs/formulation.md 16.2): six mean
+/// The displacement of an H8 element as the plastic process needs it (docs/formulation.md 16): six mean
 /// strains, and twelve amplitudes of modes without mean strain (hourglass modes), [component]: 18 numbers.
 /// All else is rigid motion. Several systems at once.
 class ElementModes {

@@ -7,7 +7,7 @@
 
 namespace fabseq {
 
-/// How a material depends on its temperature (docs/formulation.md 16.1): piecewise linear between the
+/// How a material depends on its temperature (docs/formulation.md 16): piecewise linear between the
 /// temperatures of its table, constant beyond them. Local.
 class MaterialCurves {
  public:

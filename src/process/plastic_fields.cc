@@ -17,8 +17,7 @@ PlasticFields::PlasticFields(const ElasticModel<3>& model)
 void PlasticFields::set_modes(const LaneVector& displacement, std::vector<double>& modes) const {
   const Grid<3>& grid = model_.part.grid();
   const int lanes = displacement.lanes;
-  std::vector<double> ghosted(static_cast<std::size_t>(grid.ghosted_nodes().count()) * 3 * lanes);
-  grid.exchange(3 * lanes).to_ghosted(displacement.values, ghosted);
+  const std::vector<double> ghosted = grid.exchange(3 * lanes).ghosted(displacement.values);
   modes.resize(model_.elements.size() * components * lanes);
   for_lane_chunks(lanes, [&]<int Width>(int first) {
     for (std::size_t e = 0; e < model_.elements.size(); ++e) {

@@ -14,7 +14,7 @@ namespace {
 constexpr int strains = ElementModes::strains;
 constexpr int components = ElementModes::components;
 
-/// Interpolation of the yield stress, whose least value keeps void from yielding (16.1).
+/// Interpolation of the yield stress, whose least value keeps void from yielding.
 constexpr double least_yield = 1e-4, yield_exponent = 2.5;
 double yield_share(double density) {
   return least_yield + (1.0 - least_yield) * std::pow(std::max(density, 0.0), yield_exponent);
@@ -47,7 +47,6 @@ struct PlasticHistory::Point {
   double modulus = 1.0;     ///< f
   double stiffness = 0.0;   ///< a
   double elongation = 0.0;  ///< g
-  bool first = true;
 };
 
 /// Material of an element in a step.
@@ -89,9 +88,9 @@ void PlasticHistory::set_step(const Input& input, std::size_t model_element, std
   step.hardening = share * hardening_;
 }
 
-/// Radial return (16.2).
+/// Takes a point through a step, by radial return.
 void PlasticHistory::advance(const Step& step, const double* displacement, Point& point) const {
-  const double ratio = point.first ? 1.0 : step.modulus / point.modulus;
+  const double ratio = step.modulus / point.modulus;  // of nothing before the first step
   const double young = step.modulus * step.stiffness;
   Voigt strain;
   for (int c = 0; c < strains; ++c)
@@ -113,7 +112,6 @@ void PlasticHistory::advance(const Step& step, const double* displacement, Point
   point.modulus = step.modulus;
   point.stiffness = step.stiffness;
   point.elongation = step.elongation;
-  point.first = false;
 }
 
 void PlasticHistory::run(const Input& input, Output& output) const {

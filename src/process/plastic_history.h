@@ -22,7 +22,7 @@ struct PlasticState {
   std::vector<double> plastic_strain;  ///< equivalent, [element]
 };
 
-/// The history of plastic flow in each element (docs/formulation.md 16.1, 16.2): J2 with isotropic hardening,
+/// The history of plastic flow in each element (docs/formulation.md 16): J2 with isotropic hardening,
 /// one state per element, radial return in each step. Strains and stresses are in Voigt order, forces and
 /// stresses for unit Young's modulus at room temperature. Local.
 class PlasticHistory {
@@ -50,6 +50,7 @@ class PlasticHistory {
     PlasticState built, released;
   };
   void run(const Input& input, Output& output) const;
+  const MaterialCurves& curves() const { return curves_; }
 
  private:
   struct Point;

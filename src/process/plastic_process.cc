@@ -6,7 +6,6 @@
 #include "process/step_results.h"
 
 #include <stdexcept>
-#include <utility>
 
 namespace fabseq {
 
@@ -54,17 +53,17 @@ std::string PlasticProcess::description() const {
 LockedIn PlasticProcess::gathered(const std::vector<double>& stress,
                                   const std::vector<double>& plastic_strain) const {
   const auto owned = static_cast<std::size_t>(model().part.grid().owned_elements().count());
-  const auto spread = [&](std::vector<double> share, double factor, std::size_t components, std::size_t c,
-                          std::vector<double>& to) {
+  const auto spread = [&](const std::vector<double>& share, double factor, std::size_t components,
+                          std::size_t c, std::vector<double>& to) {
     const std::vector<double> all = groups().gather(share);
     for (std::size_t e = 0; e < all.size(); ++e)
       to[static_cast<std::size_t>(model().elements[e]) * components + c] = factor * all[e];
   };
   LockedIn result{std::vector<double>(owned * voigt_size<3>, 0.0), std::vector<double>(owned, 0.0)};
+  std::vector<double> component(plastic_strain.size());
   for (int c = 0; c < voigt_size<3>; ++c) {
-    std::vector<double> component(plastic_strain.size());
     for (std::size_t e = 0; e < component.size(); ++e) component[e] = stress[e * voigt_size<3> + c];
-    spread(std::move(component), model().material.young, voigt_size<3>, c, result.stress);
+    spread(component, model().material.young, voigt_size<3>, c, result.stress);
   }
   spread(plastic_strain, 1.0, 1, 0, result.plastic_strain);
   return result;

@@ -38,11 +38,9 @@ PlasticSweeps::PlasticSweeps(StepSystems<3>& systems, Release<3>* release, const
   forces_.resize(systems.blocks().size());
 }
 
-std::size_t PlasticSweeps::size_of(std::size_t block) const { return first_[block + 1] - first_[block]; }
-
 LaneVector PlasticSweeps::of_block(std::size_t block) const {
   LaneVector result(systems_.owned_nodes(), 3, systems_.blocks()[block].block.lanes);
-  std::copy_n(unknowns_.begin() + static_cast<std::ptrdiff_t>(first_[block]), size_of(block),
+  std::copy_n(unknowns_.begin() + static_cast<std::ptrdiff_t>(first_[block]), result.values.size(),
               result.values.begin());
   return result;
 }
@@ -115,12 +113,11 @@ void PlasticSweeps::find_step(bool first) {
 }
 
 void PlasticSweeps::scale(const BlockRegion& block, std::span<double> stiffness) const {
-  const MaterialCurves curves(systems_.model().material);
   const int lanes = block.block.lanes;
   for (int lane = 0; lane < lanes; ++lane) {
     const std::vector<double>& temperature = temperatures_->elements[block.block.first + lane];
     for (std::size_t e = 0; e < temperature.size(); ++e)
-      stiffness[e * lanes + lane] *= curves.young(temperature[e]);
+      stiffness[e * lanes + lane] *= history_.curves().young(temperature[e]);
   }
 }
 

@@ -14,7 +14,7 @@
 namespace fabseq {
 
 /// The displacements of all steps of a plastic process, and the sweeps that improve them (docs/formulation.md
-/// 16.3). The unknowns are, of this group's blocks, the increments of the steps; where the modulus follows
+/// 16). The unknowns are, of this group's blocks, the increments of the steps; where the modulus follows
 /// the temperature, their sums up to the step; and the displacement of the release, if there is one.
 /// Collective on the world of the groups.
 class PlasticSweeps : public StepLoads {
@@ -41,8 +41,6 @@ class PlasticSweeps : public StepLoads {
 
  private:
   bool accumulated() const { return temperatures_ != nullptr; }
-  /// Entries of the unknowns that belong to a block.
-  std::size_t size_of(std::size_t block) const;
   LaneVector of_block(std::size_t block) const;
   void find_histories();
   /// Sets the step of the sweep that follows from them.

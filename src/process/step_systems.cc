@@ -92,8 +92,7 @@ template <int Dim>
 void StepSystems<Dim>::solve_block(const LayerDensities& densities, std::size_t block, SolvePurpose purpose,
                                    StepLoads& loads, const ScaleStiffness& scale, Workspace& workspace) {
   BlockRegion& region = blocks_[block];
-  if (built_ && purpose == SolvePurpose::forward)
-    region = built_->of(densities, region.block, std::vector<BuildStep>(region.steps));
+  if (built_ && purpose == SolvePurpose::forward) region = built_->of(densities, region.block, region.steps);
   const std::size_t all = loads.begin(block);
   if (all == 0) return;
   std::vector<double> stiffness = elements_.stiffness(densities, region);

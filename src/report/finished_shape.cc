@@ -141,7 +141,6 @@ Deviation deviation_of(const Model<Dim>& model, const std::vector<double>& displ
 template <int Dim>
 std::vector<double> release_displacement(const Model<Dim>& model, const Pipeline<Dim>& pipeline,
                                          const StageResults<Dim>& state, std::string& failure) {
-  if (!state.process->release.empty()) return state.process->release;  // a term asked for it
   if (!release_obstacle(model.grid, model.supports, model.settings.process.void_model).empty()) return {};
   const SolverSettings& solver = model.settings.solver;
   try {

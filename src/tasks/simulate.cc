@@ -85,7 +85,7 @@ Simulation<Dim> simulation_of(const Setup<Dim>& setup, Pipeline<Dim>& pipeline,
   const FinishedShape& shape = result.shape();
   if (shape.released)
     result.released = Stress<Dim>(
-        setup.part, process.released(*state.densities, process.model().on_all_nodes(shape.release)));
+        setup.part, process.released(result.stress.found, process.model().on_all_nodes(shape.release)));
   else if (shape.failure.empty())
     warn("no release_displacement: " +
          release_obstacle(setup.grid, setup.supports, setup.config.process.void_model));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-/// The history of plastic flow in an element against closed forms (formulation 16.2).
+/// The history of plastic flow in an element against closed forms (formulation 16).
 #include "process/plastic_history.h"
 
 #include "process/element_modes.h"

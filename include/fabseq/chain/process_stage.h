@@ -34,6 +34,7 @@ class ProcessStage : public Stage<Dim> {
   ElasticModel<Dim> elastic_;
   std::unique_ptr<Process<Dim>> process_;
   bool flows_;                                ///< beyond a yield stress: all elements count throughout
+  StepTemperatures temperatures_;             ///< of the last simulation, with them
   std::optional<ThermalProperties> thermal_;  ///< of the steps' temperatures, where the material flows
   std::vector<int> forward_iterations_, adjoint_iterations_;
 };

@@ -43,7 +43,7 @@ class ElasticProcess : public Process<Dim> {
   std::vector<double> release_displacement(const LayerDensities& densities,
                                            const ReleaseSolver& solver) const override;
   LockedIn locked_in(const LayerDensities& densities) const override;
-  LockedIn released(const LayerDensities& densities, std::span<const double> release) const override;
+  LockedIn released(LockedIn built, std::span<const double> release) const override;
   /// Forces of the supports on the last simulation's part, sum_s (K_s du_s - f_s), [owned node][component], 0
   /// elsewhere, for unit Young's modulus. They balance themselves. `number`: of the strain case.
   std::vector<double> reactions(const LayerDensities& densities, std::size_t number = 0) const;

@@ -32,7 +32,7 @@ class PlasticProcess : public Process<3> {
     return result_.release;
   }
   LockedIn locked_in(const LayerDensities&) const override { return built_; }
-  LockedIn released(const LayerDensities&, std::span<const double>) const override { return released_; }
+  LockedIn released(LockedIn, std::span<const double>) const override { return released_; }
   void set_tolerance(const SolveTolerance& tolerance) override { tolerance_ = tolerance.value; }
   std::string description() const override;
   /// Sweeps of the last simulation. Local.

@@ -62,14 +62,14 @@ class Process {
   /// Functionals solved together share the systems.
   virtual void pull_back(const LayerDensities& densities, std::span<const ProcessAdjoint> functionals,
                          std::span<const ProcessDerivatives> derivatives) = 0;
-  /// Displacement that a release adds to the last simulation, [owned node][component], solved by `solver`
+  /// Displacement that the release adds to the last simulation, [owned node][component]; `solver` finds it
   /// where the simulation had none.
   virtual std::vector<double> release_displacement(const LayerDensities& densities,
                                                    const ReleaseSolver& solver) const = 0;
   /// What the last simulation leaves before the release (docs/formulation.md 4.3).
   virtual LockedIn locked_in(const LayerDensities& densities) const = 0;
-  /// The same after it, for the displacement that the release adds.
-  virtual LockedIn released(const LayerDensities& densities, std::span<const double> release) const = 0;
+  /// The same after it, from what it was before and the displacement that the release adds.
+  virtual LockedIn released(LockedIn built, std::span<const double> release) const = 0;
 
   /// Increments of any step, or of any layer in all its steps, on the owned nodes, [node][component]; sent by
   /// the group that has them. `counted`: what the displacement has of them.

@@ -13,31 +13,31 @@
 
 namespace fabseq {
 
-/// How the derivatives of a row with respect to a stage's results are held. Rows that use displacements are
-/// begun by all groups alike, and each group adds what its steps lead to; the row's owner goes on alone. So
-/// each type has
-///   - drop(): forgets what groups other than the owner have begun with, unless all need it;
-///   - keep_once(): forgets what is the same on all ranks of a group, on ranks other than its first;
-///   - sum_at(): sums up the groups' parts at the owner. Collective on LayerGroups::across().
+/// How derivatives of a row with respect to a stage's results are held. Rows that use displacements are begun
+/// by all groups alike, and each group adds what its steps lead to; the row's owner goes on alone. Each type
+/// of derivatives has what it does otherwise than this one: every group needs all, and there is nothing to
+/// sum up.
+struct HeldByAll {
+  /// Forgets what groups other than the owner have begun with.
+  void drop() {}
+  /// Forgets what is the same on all ranks of a group, on ranks other than its first.
+  void keep_once() {}
+  /// Sums up the groups' parts at the owner. Collective on LayerGroups::across().
+  void sum_at(const LayerGroups& /*groups*/, int /*owner*/) {}
+};
 
 /// dJ/du, dJ/dv and dJ/d(increments) for the strain as given, of whose increments each group has its own;
 /// empty while zero.
-struct ProcessFunctionals : ProcessAdjoint {
+struct ProcessFunctionals : ProcessAdjoint, HeldByAll {
   std::vector<ProcessAdjoint> combinations;  ///< the same for combinations of strain cases
-
-  void drop() {}
-  void keep_once() {}
-  void sum_at(const LayerGroups&, int) {}
 };
 
 /// Derivatives with respect to the inputs of the strains (StrainSource), this rank's part of the sum over all
 /// ranks; empty while zero.
-struct StrainDerivatives {
+struct StrainDerivatives : HeldByAll {
   std::vector<double> inputs;
 
   void drop() { inputs.clear(); }
-  void keep_once() {}
-  void sum_at(const LayerGroups&, int) {}
 };
 
 /// Derivatives with respect to the temperatures at which layers begin, [layer], this rank's part of the sum
@@ -60,21 +60,19 @@ struct TemperatureDerivatives {
 
 /// Derivatives with respect to stage and layer densities, time points, sub-parts and directions. The layers
 /// take them from each group (DensitySink).
-struct LayerDerivatives : DensityDerivatives {
+struct LayerDerivatives : DensityDerivatives, HeldByAll {
   using DensityDerivatives::DensityDerivatives;
   void drop() {
     static_cast<DensityDerivatives&>(*this) = DensityDerivatives(static_cast<int>(stage.size()));
   }
   void keep_once() { time_points.clear(); }
-  void sum_at(const LayerGroups&, int) {}
 };
 
 /// Derivatives with respect to t and grad t; empty while zero.
-struct SequenceDerivatives : TimeDerivatives {
+struct SequenceDerivatives : TimeDerivatives, HeldByAll {
   bool gradient_in_parts = false;  ///< whether all groups have parts of that with respect to grad t
 
   void drop() { static_cast<TimeDerivatives&>(*this) = {}; }
-  void keep_once() {}
   void sum_at(const LayerGroups& groups, int owner) {
     groups.sum_at(owner, time);
     if (gradient_in_parts) groups.sum_at(owner, gradient);
