@@ -10,6 +10,7 @@
 #include "fabseq/solve/solvers.h"
 
 #include <algorithm>
+#include <deque>
 #include <utility>
 
 namespace fabseq {
@@ -136,17 +137,22 @@ void ProcessStage<Dim>::pull_back(const StageResults<Dim>& state, const SolveTol
   std::vector<ProcessAdjoint> adjoints;
   std::vector<ProcessDerivatives> derivatives;
   const bool has_strains = process_->strains().input_count() > 0;
+  std::deque<std::vector<std::vector<double>>> of_temperatures;
+  std::vector<AdjointRow<Dim>*> row_of;
   for (AdjointRow<Dim>* row : rows) {
     if (!row->shared) continue;
     for (ProcessAdjoint& functional : process_functionals(row->adjoint.process, *state.process)) {
       adjoints.push_back(std::move(functional));
-      derivatives.push_back(
-          {&row->adjoint.densities, has_strains ? &row->adjoint.strains.inputs : nullptr, &row->sink});
+      row_of.push_back(row);
+      derivatives.push_back({&row->adjoint.densities, has_strains ? &row->adjoint.strains.inputs : nullptr,
+                             thermal_ ? &of_temperatures.emplace_back() : nullptr, &row->sink});
     }
   }
   if (adjoints.empty()) return;
   process_->set_tolerance(elasticity_tolerance(tolerance));
   process_->pull_back(*state.densities, adjoints, derivatives);
+  for (std::size_t k = 0; k < of_temperatures.size(); ++k)
+    add_end_derivatives(elastic_, state.process->steps, of_temperatures[k], row_of[k]->adjoint.temperatures);
   adjoint_iterations_ = process_->adjoint_iterations();
 }
 

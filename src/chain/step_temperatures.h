@@ -6,6 +6,7 @@
 #include "fabseq/process/build_step.h"
 #include "fabseq/process/elastic_model.h"
 #include "fabseq/process/step_temperatures.h"
+#include "fabseq/responses/stage_derivatives.h"
 #include "fabseq/thermal/layer_temperatures.h"
 #include "fabseq/thermal/thermal_settings.h"
 
@@ -23,5 +24,11 @@ template <int Dim>
 StepTemperatures step_temperatures(const ElasticModel<Dim>& model, const ThermalProperties& properties,
                                    const LayerTemperatures& temperatures,
                                    const std::vector<BuildStep>& steps);
+
+/// Adds the derivative with respect to the excesses that follows from that with respect to these temperatures.
+/// `derivative`: [step][element of the model]. Collective on the grid's communicator.
+template <int Dim>
+void add_end_derivatives(const ElasticModel<Dim>& model, const std::vector<BuildStep>& steps,
+                         const std::vector<std::vector<double>>& derivative, TemperatureDerivatives& to);
 
 }  // namespace fabseq

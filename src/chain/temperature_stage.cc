@@ -62,12 +62,13 @@ class TemperatureStage : public Stage<Dim> {
       std::vector<double>& interpass = row->adjoint.temperatures.interpass;
       if (!row->own || interpass.empty()) continue;
       sum_in_place(groups_.domain(), std::span<double>(interpass));
-      functionals.push_back({interpass, &row->adjoint.densities, &row->sink});
+      functionals.push_back(
+          {interpass, row->adjoint.temperatures.ends, &row->adjoint.densities, &row->sink});
     }
     temperature_.simulation.set_tolerance(step_tolerance(tolerance));
     temperature_.simulation.pull_back(*state.densities, functionals);
     for (AdjointRow<Dim>* row : rows)
-      if (row->own) row->adjoint.temperatures.interpass.clear();
+      if (row->own) row->adjoint.temperatures.drop();
   }
 
   const LayerGroups& groups_;

@@ -189,9 +189,6 @@ void check_rules(const Config& config) {
 }
 
 void check_task(const Config& config, Task task) {
-  if (config.process.model == ProcessModel::elastoplastic && task != Task::simulate && task != Task::check)
-    refuse("/process/model", "\"elastoplastic\", whose derivatives are not there yet",
-           "\"linear\", or -task simulate");
   if (task != Task::optimize && task != Task::check_gradients) return;
   const std::string with_task =
       std::string("with -task ") + (task == Task::optimize ? "optimize" : "check_gradients");

@@ -16,6 +16,19 @@ std::vector<double> corner_means(const Grid<Dim>& grid, std::span<const int> fir
   return result;
 }
 
+template <int Dim>
+std::vector<double> spread_to_corners(const Grid<Dim>& grid, std::span<const int> first_corners,
+                                      std::span<const double> values) {
+  std::vector<double> ghosted(static_cast<std::size_t>(grid.ghosted_nodes().count()), 0.0);
+  for (std::size_t e = 0; e < values.size(); ++e)
+    for (const int offset : grid.corner_offsets())
+      ghosted[first_corners[e] + offset] += values[e] / corner_count<Dim>;
+  std::vector<double> result(static_cast<std::size_t>(grid.owned_nodes().count()), 0.0);
+  grid.exchange(1).add_to_owned(ghosted, result);
+  return result;
+}
+
 FABSEQ_INSTANTIATE_FUNCTION(corner_means);
+FABSEQ_INSTANTIATE_FUNCTION(spread_to_corners);
 
 }  // namespace fabseq

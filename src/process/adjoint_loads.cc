@@ -12,8 +12,10 @@ namespace {
 /// Steps whose load has less than this share of the largest are left out.
 constexpr double least_share = 1e-10;
 
-void set_full_load(const ProcessAdjoint& functional, const ProcessResult& result, std::size_t block,
-                   LaneVector& load) {
+}  // namespace
+
+void set_adjoint_load(const ProcessAdjoint& functional, const ProcessResult& result, std::size_t block,
+                      LaneVector& load) {
   const LaneVector* own = functional.increments.empty() ? nullptr : &functional.increments[block];
   const LaneVector* weights = result.weights.empty() ? nullptr : &result.weights[block];
   std::fill(load.values.begin(), load.values.end(), 0.0);
@@ -26,8 +28,6 @@ void set_full_load(const ProcessAdjoint& functional, const ProcessResult& result
     }
   }
 }
-
-}  // namespace
 
 template <int Dim>
 void AdjointLoads<Dim>::update(const LayerDensities& densities, const ProcessResult& result,
@@ -49,7 +49,7 @@ void AdjointLoads<Dim>::update(const LayerDensities& densities, const ProcessRes
       LaneVector load(stiffness.nodes, Dim, block.lanes);
       for (std::size_t k = 0; k < functionals.size(); ++k) {
         if (of_release(functionals[k])) continue;
-        set_full_load(functionals[k], result, number, load);
+        set_adjoint_load(functionals[k], result, number, load);
         add_squares(block, load, stiffness, std::span(squares).subspan(k * steps, steps));
       }
     }
@@ -73,7 +73,7 @@ bool AdjointLoads<Dim>::any(std::size_t functional, const StepBlock& block) cons
 template <int Dim>
 void AdjointLoads<Dim>::set(const ProcessAdjoint& functional, std::size_t number, const ProcessResult& result,
                             std::size_t block, LaneVector& load) const {
-  set_full_load(functional, result, block, load);
+  set_adjoint_load(functional, result, block, load);
   for (int lane = 0; lane < load.lanes; ++lane)
     for (std::size_t i = 0; counts_[number][result.blocks[block].first + lane] == 0 && i < load.unknowns();
          ++i)

@@ -30,6 +30,9 @@ class ElementModes {
   /// stiffness in these modes, both for unit Young's modulus.
   template <int Width>
   Nodal<Width> forces(const Modes<Width>& modes) const;
+  /// Product of amplitudes with the element's stiffness between them, for unit Young's modulus.
+  double energy(const std::array<double, amplitudes>& a, const std::array<double, amplitudes>& b) const;
+  double volume() const { return volume_; }
 
  private:
   static constexpr std::array<int, 4> hourglass = {3, 5, 6, 7};  ///< parity modes of a component

@@ -28,4 +28,12 @@ double MaterialCurves::at(const std::vector<double>& values, double temperature,
   return values[i - 1] + share * (values[i] - values[i - 1]);
 }
 
+double MaterialCurves::slope(const std::vector<double>& values, double temperature) const {
+  if (values.empty()) return 0.0;
+  const auto above = std::ranges::upper_bound(temperatures_, temperature);
+  if (above == temperatures_.begin() || above == temperatures_.end()) return 0.0;
+  const auto i = static_cast<std::size_t>(above - temperatures_.begin());
+  return (values[i] - values[i - 1]) / (temperatures_[i] - temperatures_[i - 1]);
+}
+
 }  // namespace fabseq

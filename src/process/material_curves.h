@@ -19,12 +19,19 @@ class MaterialCurves {
   double yield(double temperature) const { return at(yield_, temperature, 1.0); }
   /// Free thermal elongation, a strain; none is added above the cut-off.
   double elongation(double temperature) const;
+  // Their slopes, 1/K; at a point of the table, those above it.
+  double young_slope(double temperature) const { return slope(young_, temperature); }
+  double yield_slope(double temperature) const { return slope(yield_, temperature); }
+  double elongation_slope(double temperature) const {
+    return temperature < cut_off_ ? slope(elongations_, temperature) : 0.0;
+  }
   /// The elongation that new material has when it begins to shrink: that at the cut-off.
   double first_elongation() const { return elongation(cut_off_); }
 
  private:
   /// Value of a curve; `none` where there is no table.
   double at(const std::vector<double>& values, double temperature, double none) const;
+  double slope(const std::vector<double>& values, double temperature) const;
 
   std::vector<double> temperatures_, young_, yield_, elongations_;
   double cut_off_;

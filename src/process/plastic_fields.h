@@ -22,6 +22,7 @@ class PlasticFields {
   void set_modes(const LaneVector& displacement, std::vector<double>& modes) const;
   /// Sets `force` to the sum of the elements' forces. `lanes`: those of `modes`.
   void set_forces(std::span<const double> modes, int lanes, LaneVector& force) const;
+  const ElementModes& modes() const { return modes_; }
 
  private:
   const ElasticModel<3>& model_;

@@ -8,6 +8,7 @@
 #include "fabseq/process/step_temperatures.h"
 #include "fabseq/process/strain_source.h"
 #include "process/material_curves.h"
+#include "process/plastic_point.h"
 
 #include <cstddef>
 #include <span>
@@ -22,24 +23,27 @@ struct PlasticState {
   std::vector<double> plastic_strain;  ///< equivalent, [element]
 };
 
-/// The history of plastic flow in each element (docs/formulation.md 16): J2 with isotropic hardening,
-/// one state per element, radial return in each step. Strains and stresses are in Voigt order, forces and
-/// stresses for unit Young's modulus at room temperature. Local.
+/// What histories of plastic flow are found for. References must outlive their use.
+struct PlasticInput {
+  const LayerDensities& densities;
+  std::span<const BuildStep> steps;
+  const StepTemperatures* temperatures;  ///< nullptr: the process has one temperature
+  const StrainSource<3>& strains;        ///< inherent strain where there are no temperatures
+};
+
+/// The history of plastic flow in each element (docs/formulation.md 16): J2 with isotropic hardening, one
+/// state per element, radial return in each step (PlasticPoint). Local.
 class PlasticHistory {
  public:
   /// The model must outlive the object.
   explicit PlasticHistory(const ElasticModel<3>& model);
 
-  /// What a history is found for. References must outlive the call.
-  struct Input {
-    const LayerDensities& densities;
-    std::span<const BuildStep> steps;
-    const StepTemperatures* temperatures;   ///< nullptr: the process has one temperature
-    const StrainSource<3>& strains;         ///< inherent strain where there are no temperatures
-    std::size_t first_element;              ///< of the share: number among the model's elements
-    std::span<const double> displacements;  ///< of the steps, [element of the share][step][ElementModes]
-    bool accumulated;                       ///< whether they are sums up to the step
-    std::span<const double> release;        ///< [element of the share][ElementModes]; empty: none
+  /// Displacements of a share of the model's elements as ElementModes.
+  struct Displacements {
+    std::size_t first_element;        ///< of the share: number among the model's elements
+    std::span<const double> steps;    ///< [element of the share][step][ElementModes]
+    bool accumulated;                 ///< whether they are sums up to the step
+    std::span<const double> release;  ///< [element of the share][ElementModes]; empty: none
   };
   struct Output {
     /// Stresses and amplitudes times stiffness (ElementModes::forces()): what each step adds to them, or
@@ -49,18 +53,23 @@ class PlasticHistory {
         at_end;  ///< what they are after the last step, or the release: [element][ElementModes]
     PlasticState built, released;
   };
-  void run(const Input& input, Output& output) const;
+  void run(const PlasticInput& input, const Displacements& displacements, Output& output) const;
+
+  /// Sets the material of an element of the model in a step.
+  void set_step(const PlasticInput& input, std::size_t model_element, std::size_t number,
+                PlasticStep& step) const;
+  /// State of an element before the first step.
+  PlasticPoint start(const PlasticInput& input, std::size_t model_element) const;
+  const ElasticModel<3>& model() const { return model_; }
   const MaterialCurves& curves() const { return curves_; }
+  /// Yield stress and hardening over Young's modulus, at room temperature.
+  double yield() const { return yield_; }
+  double hardening() const { return hardening_; }
 
  private:
-  struct Point;
-  struct Step;
-  void advance(const Step& step, const double* displacement, Point& point) const;
-  void set_step(const Input& input, std::size_t model_element, std::size_t number, Step& step) const;
-
   const ElasticModel<3>& model_;
   MaterialCurves curves_;
-  double yield_, hardening_;  ///< over Young's modulus
+  double yield_, hardening_;
 };
 
 }  // namespace fabseq

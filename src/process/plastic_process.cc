@@ -2,10 +2,12 @@
 #include "fabseq/process/plastic_process.h"
 
 #include "fabseq/base/formatted.h"
+#include "process/plastic_adjoint.h"
 #include "process/plastic_sweeps.h"
 #include "process/step_results.h"
 
-#include <stdexcept>
+#include <algorithm>
+#include <utility>
 
 namespace fabseq {
 
@@ -16,6 +18,8 @@ constexpr double share_of_tolerance = 0.1;
 
 }  // namespace
 
+PlasticProcess::~PlasticProcess() = default;
+
 PlasticProcess::PlasticProcess(const ElasticModel<3>& model, std::unique_ptr<ElasticitySolver<3>> solver,
                                const LayerGroups& groups, BlockSolver blocks, int lanes)
     : Process<3>(model, std::move(solver), groups, blocks, lanes) {}
@@ -23,7 +27,9 @@ PlasticProcess::PlasticProcess(const ElasticModel<3>& model, std::unique_ptr<Ela
 const ProcessResult& PlasticProcess::simulate(const ProcessInput<3>& input) {
   strains_ = &input.strains;
   systems_.deal_out(input.densities, input.steps);
-  PlasticSweeps sweeps(systems_, release_.get(), input.densities, input.strains, input.temperatures);
+  forward_ = std::make_unique<PlasticSweeps>(systems_, release_.get(), input.densities, input.strains,
+                                             input.temperatures);
+  PlasticSweeps& sweeps = *forward_;
   sweeps_ = sweeps.run(share_of_tolerance * tolerance_);
   set_steps(systems_, result_);
   const std::vector<LaneVector> increments = sweeps.increments();
@@ -41,9 +47,79 @@ const ProcessResult& PlasticProcess::simulate(const ProcessInput<3>& input) {
   return result_;
 }
 
-void PlasticProcess::pull_back(const LayerDensities&, std::span<const ProcessAdjoint>,
-                               std::span<const ProcessDerivatives>) {
-  throw std::logic_error("derivatives of a process with plastic flow");
+void PlasticProcess::pull_back(const LayerDensities& densities, std::span<const ProcessAdjoint> functionals,
+                               std::span<const ProcessDerivatives> derivatives) {
+  adjoint_iterations_.assign(result_.steps.size(), 0);
+  for (std::size_t k = 0; k < functionals.size(); ++k) {
+    PlasticAdjoint adjoint(systems_, release_.get(), *forward_, result_, functionals[k]);
+    const int sweeps = adjoint.run(share_of_tolerance * tolerance_);
+    for (int& iterations : adjoint_iterations_) iterations = std::max(iterations, sweeps);
+    groups().run([&] { add_derivatives(densities, adjoint, functionals[k], derivatives[k]); });
+  }
+}
+
+/// Of this rank's share of the elements, in all steps, and through the weights of this group's steps.
+void PlasticProcess::add_derivatives(const LayerDensities& densities, const PlasticAdjoint& adjoint,
+                                     const ProcessAdjoint& functional, const ProcessDerivatives& to) const {
+  const std::size_t steps = result_.steps.size(), elements = model().part_position.size(),
+                    first = forward_->elements().first_element(),
+                    count = forward_->elements().elements_of_share();
+  const PlasticDerivatives& found = adjoint.derivatives();
+  for (std::size_t s = 0; s < steps; ++s) {
+    const int layer = result_.steps[s].layer;
+    auto& d_stage = DensityDerivatives::zeros_if_empty(to.densities->stage[layer], elements);
+    auto& d_layer = DensityDerivatives::zeros_if_empty(to.densities->layer[layer], elements);
+    std::vector<double>* d_before =
+        s > 0 ? &DensityDerivatives::zeros_if_empty(to.densities->stage[result_.steps[s - 1].layer], elements)
+              : nullptr;
+    for (std::size_t e = 0; e < count; ++e) {
+      const int part_element = model().part_element[first + e];
+      if (part_element < 0) continue;
+      d_stage[part_element] += found.stage[e * steps + s];
+      d_layer[part_element] += found.layer[e * steps + s];
+      if (d_before != nullptr) (*d_before)[part_element] += found.stage_before[e * steps + s];
+    }
+  }
+  if (to.strains != nullptr && forward_->input().temperatures == nullptr) {
+    to.strains->resize(strains_->input_count(), 0.0);
+    for (std::size_t e = 0; e < count; ++e) {
+      const int part_element = model().part_element[first + e];
+      for (std::size_t s = 0; part_element >= 0 && s < steps; ++s)
+        strains_->add_derivatives(
+            {&part_element, 1}, {static_cast<int>(s), 1},
+            std::span(found.strains).subspan((e * steps + s) * voigt_size<3>, voigt_size<3>), *to.strains);
+    }
+  }
+  if (to.temperatures != nullptr && forward_->input().temperatures != nullptr)
+    add_temperatures(found, *to.temperatures);
+  for (std::size_t block = 0; deposition_ && block < result_.blocks.size(); ++block) {
+    std::vector<Deposition<3>::Missing> missing;
+    for (const BuildStep& step : result_.steps_of(block))
+      missing.push_back(deposition_->missing(densities.stage[step.layer]));
+    deposition_->add_derivatives(missing, result_.steps_of(block), result_.nodes[block],
+                                 weight_derivatives(functional, result_, block, result_.increments[block]),
+                                 *to.densities);
+  }
+  if (to.sink != nullptr) to.sink->flush();
+}
+
+/// Through modulus, yield stress and elongation.
+void PlasticProcess::add_temperatures(const PlasticDerivatives& found,
+                                      std::vector<std::vector<double>>& to) const {
+  const MaterialCurves& curves = forward_->history().curves();
+  const std::size_t steps = result_.steps.size(), first = forward_->elements().first_element();
+  to.resize(steps);
+  for (std::size_t s = 0; s < steps; ++s) {
+    const std::vector<double>& temperatures = forward_->input().temperatures->elements[s];
+    to[s].resize(temperatures.size(), 0.0);
+    for (std::size_t e = 0; e < forward_->elements().elements_of_share(); ++e) {
+      const double temperature = temperatures[first + e];
+      const std::size_t at = e * steps + s;
+      to[s][first + e] += found.modulus[at] * curves.young_slope(temperature) +
+                          found.yield[at] * curves.yield_slope(temperature) +
+                          found.elongation[at] * curves.elongation_slope(temperature);
+    }
+  }
 }
 
 std::string PlasticProcess::description() const {

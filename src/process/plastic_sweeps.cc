@@ -23,9 +23,7 @@ PlasticSweeps::PlasticSweeps(StepSystems<3>& systems, Release<3>* release, const
                              const StrainSource<3>& strains, const StepTemperatures* temperatures)
     : systems_(systems),
       release_(release),
-      densities_(densities),
-      strains_(strains),
-      temperatures_(temperatures),
+      input_{densities, systems.steps(), temperatures, strains},
       fields_(systems.model()),
       history_(systems.model()),
       elements_(systems.groups(), systems.deal(), systems.model().elements.size(), components) {
@@ -79,14 +77,12 @@ void PlasticSweeps::find_histories() {
     displacement.values = release();
     fields_.set_modes(displacement, of_release);
   });
-  const std::vector<double> histories = elements_.to_histories(modes);
-  const std::span<const double> share =
-      release_ != nullptr
-          ? std::span<const double>(of_release).subspan(first * components, count * components)
-          : std::span<const double>();
-  history_.run(
-      {densities_, systems_.steps(), temperatures_, strains_, first, histories, accumulated(), share},
-      output_);
+  histories_ = elements_.to_histories(modes);
+  of_release_.clear();
+  if (release_ != nullptr)
+    of_release_.assign(of_release.begin() + static_cast<std::ptrdiff_t>(first * components),
+                       of_release.begin() + static_cast<std::ptrdiff_t>((first + count) * components));
+  history_.run(input_, displacements(), output_);
   modes = elements_.to_blocks(output_.forces);
   std::vector<double> at_end(all * components, 0.0);
   std::ranges::copy(output_.at_end, at_end.begin() + static_cast<std::ptrdiff_t>(first * components));
@@ -101,11 +97,8 @@ void PlasticSweeps::find_histories() {
 }
 
 void PlasticSweeps::find_step(bool first) {
-  const auto scaled = [this](const BlockRegion& block, std::span<double> stiffness) {
-    scale(block, stiffness);
-  };
-  systems_.solve(densities_, first ? SolvePurpose::forward : SolvePurpose::correction, *this,
-                 accumulated() ? ScaleStiffness(scaled) : ScaleStiffness());
+  systems_.solve(input_.densities, first ? SolvePurpose::forward : SolvePurpose::correction, *this,
+                 stiffness_scale());
   if (release_ == nullptr) return;
   const std::vector<double> change = systems_.groups().from_first(
       force_at_end_.size(), [&] { return release_->displacement(force_at_end_); });
@@ -115,7 +108,7 @@ void PlasticSweeps::find_step(bool first) {
 void PlasticSweeps::scale(const BlockRegion& block, std::span<double> stiffness) const {
   const int lanes = block.block.lanes;
   for (int lane = 0; lane < lanes; ++lane) {
-    const std::vector<double>& temperature = temperatures_->elements[block.block.first + lane];
+    const std::vector<double>& temperature = input_.temperatures->elements[block.block.first + lane];
     for (std::size_t e = 0; e < temperature.size(); ++e)
       stiffness[e * lanes + lane] *= history_.curves().young(temperature[e]);
   }
@@ -134,7 +127,7 @@ std::vector<double> PlasticSweeps::product_weights() const {
     };
     for (std::size_t block = 0; block < systems_.blocks().size(); ++block) {
       const BlockRegion& region = systems_.blocks()[block];
-      std::vector<double> stiffness = systems_.elements().stiffness(densities_, region);
+      std::vector<double> stiffness = systems_.elements().stiffness(input_.densities, region);
       if (accumulated()) scale(region, stiffness);
       set(stiffness, region.block.lanes, first_[block], 1.0);
     }
@@ -143,6 +136,15 @@ std::vector<double> PlasticSweeps::product_weights() const {
       set(model.finished_stiffness(), 1, first_.back(), 1.0 / systems_.groups().count());
   });
   return weights;
+}
+
+ScaleStiffness PlasticSweeps::stiffness_scale() const {
+  if (!accumulated()) return {};
+  return [this](const BlockRegion& block, std::span<double> stiffness) { scale(block, stiffness); };
+}
+
+PlasticHistory::Displacements PlasticSweeps::displacements() const {
+  return {elements_.first_element(), histories_, accumulated(), of_release_};
 }
 
 std::size_t PlasticSweeps::begin(std::size_t) { return 1; }

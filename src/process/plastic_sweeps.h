@@ -35,29 +35,40 @@ class PlasticSweeps : public StepLoads {
   const PlasticState& built() const { return output_.built; }
   const PlasticState& released() const { return output_.released; }
 
+  // What adjoints need of a state that has been found.
+  const PlasticInput& input() const { return input_; }
+  const PlasticFields& fields() const { return fields_; }
+  const PlasticHistory& history() const { return history_; }
+  const StepTranspose& elements() const { return elements_; }
+  const std::vector<std::size_t>& first() const { return first_; }
+  /// Displacements of this rank's share of the elements.
+  PlasticHistory::Displacements displacements() const;
+  /// Weights of the unknowns in products: the diagonal of the steps' stiffness, about.
+  std::vector<double> product_weights() const;
+  /// Scales the stiffness of a block by the modulus, where it follows the temperature.
+  ScaleStiffness stiffness_scale() const;
+
   std::size_t begin(std::size_t block) override;
   void set(std::size_t block, std::size_t side, LaneVector& load) override;
   void take(std::size_t block, std::size_t side, LaneVector& solution) override;
 
  private:
-  bool accumulated() const { return temperatures_ != nullptr; }
+  bool accumulated() const { return input_.temperatures != nullptr; }
   LaneVector of_block(std::size_t block) const;
   void find_histories();
   /// Sets the step of the sweep that follows from them.
   void find_step(bool first);
   void scale(const BlockRegion& block, std::span<double> stiffness) const;
-  std::vector<double> product_weights() const;
 
   StepSystems<3>& systems_;
   Release<3>* release_;
-  const LayerDensities& densities_;
-  const StrainSource<3>& strains_;
-  const StepTemperatures* temperatures_;
+  PlasticInput input_;
   PlasticFields fields_;
   PlasticHistory history_;
   StepTranspose elements_;
   std::vector<std::size_t> first_;  ///< entry of each block in the unknowns, and of the release
   std::vector<double> unknowns_, step_;
+  std::vector<double> histories_, of_release_;  ///< displacements of the share, as ElementModes
   PlasticHistory::Output output_;
   std::vector<LaneVector> forces_;    ///< of this group's blocks
   std::vector<double> force_at_end_;  ///< on all owned nodes

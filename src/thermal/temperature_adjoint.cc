@@ -12,6 +12,16 @@
 
 namespace fabseq {
 
+namespace {
+
+/// Whether a functional depends on the temperature with which a layer leaves the next one to begin.
+bool uses_interpass(const TemperatureAdjoint& functional, int number) {
+  const std::size_t next = static_cast<std::size_t>(number) + 1;
+  return next < functional.interpass.size() && functional.interpass[next] != 0.0;
+}
+
+}  // namespace
+
 template <int Dim>
 BackwardSteps<Dim>::BackwardSteps(const ThermalModel<Dim>& model, HeatSolver<Dim>& solver,
                                   const LayerTemperatures& temperatures, const LayerDensities& densities,
@@ -33,10 +43,10 @@ BackwardSteps<Dim>::BackwardSteps(const ThermalModel<Dim>& model, HeatSolver<Dim
 
 template <int Dim>
 int BackwardSteps<Dim>::last_layer() const {
-  for (int number = temperatures_.count() - 2; number >= 0; --number)
+  for (int number = temperatures_.count() - 1; number >= 0; --number)
     for (const Block& block : blocks_)
       for (const TemperatureAdjoint& functional : block.functionals)
-        if (functional.interpass[number + 1] != 0.0) return number;
+        if (!functional.ends.empty() || uses_interpass(functional, number)) return number;
   return -1;
 }
 
@@ -49,6 +59,7 @@ void BackwardSteps<Dim>::run() {
     std::optional<ThermalLayer> before;
     if (number > 0) before = model_.layer(densities_, number - 1, temperatures_.region(number - 1));
     for (Block& block : blocks_) add_interpass(block, number);
+    add_end(number, 1);
     back_through(number, layer, before ? before->capacity : model_.first_capacity());
     for (Block& block : blocks_)
       if (block.active) add_densities(block, number, layer);
@@ -61,7 +72,7 @@ void BackwardSteps<Dim>::run() {
 template <int Dim>
 void BackwardSteps<Dim>::add_interpass(Block& block, int number) {
   const auto is_used = [&](const TemperatureAdjoint& functional) {
-    return functional.interpass[number + 1] != 0.0;
+    return uses_interpass(functional, number);
   };
   if (std::ranges::none_of(block.functionals, is_used)) return;
   block.active = true;
@@ -75,8 +86,8 @@ void BackwardSteps<Dim>::add_interpass(Block& block, int number) {
   const std::vector<double> of_nodes = model_.lumped(model_.part.first_corners(), weight, 1.0 / total);
   for (int lane = 0; lane < block.lanes(); ++lane) {
     const TemperatureAdjoint& functional = block.functionals[lane];
+    if (!is_used(functional)) continue;
     const double factor = functional.interpass[number + 1];
-    if (factor == 0.0) continue;
     for (std::size_t node = 0; node < of_nodes.size(); ++node)
       block.theta(node, lane) += factor * of_nodes[node];
     std::vector<double>& d_layer =
@@ -86,12 +97,26 @@ void BackwardSteps<Dim>::add_interpass(Block& block, int number) {
 }
 
 template <int Dim>
+void BackwardSteps<Dim>::add_end(int number, int end) {
+  const auto nodes = static_cast<std::size_t>(model_.owned_nodes());
+  const std::size_t first = (2 * static_cast<std::size_t>(number) + end) * nodes;
+  for (Block& block : blocks_)
+    for (int lane = 0; lane < block.lanes(); ++lane) {
+      const std::span<const double> ends = block.functionals[lane].ends;
+      if (ends.empty()) continue;
+      block.active = true;
+      for (std::size_t node = 0; node < nodes; ++node) block.theta(node, lane) += ends[first + node];
+    }
+}
+
+template <int Dim>
 void BackwardSteps<Dim>::back_through(int number, const ThermalLayer& layer,
                                       std::span<const double> capacity_before) {
   const std::vector<ThermalStep> schedule = model_.steps(layer.mass);
   const std::size_t all_nodes = model_.domain.fixed.size();
   for (std::size_t i = schedule.size(); i-- > 0;) {
     const ThermalStep& step = schedule[i];
+    if (i + 1 == static_cast<std::size_t>(model_.properties.welding_steps)) add_end(number, 0);
     if (i + 1 == schedule.size() || step.seconds != schedule[i + 1].seconds) steps_.set(layer, step.seconds);
     solve(step_name(number, i) + ", backwards");
     const std::vector<double> before = spread_out(temperatures_.before(number, i), model_.nodes, all_nodes),

@@ -39,8 +39,10 @@ class BackwardSteps {
 
   /// The last layer whose end any functional depends on; negative: none.
   int last_layer() const;
-  /// Adds dJ/dtheta and dJ/d(weights) at the end of a layer.
+  /// Adds dJ/dtheta and dJ/d(weights) at the end of a layer, as far as they come from the next one's B.
   void add_interpass(Block& block, int number);
+  /// Adds dJ/dtheta at the end of a layer's deposition, 0, or pause, 1.
+  void add_end(int number, int end);
   void back_through(int number, const ThermalLayer& layer, std::span<const double> capacity_before);
   void solve(const std::string& what);
   /// What a step's adjoint amounts to by what the step is made of.

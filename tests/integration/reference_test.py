@@ -162,7 +162,8 @@ class ReferenceTest(FabseqTest):
                 self.check_fields("steps_planar_3d", run)
 
     def check_flow(self, name):
-        """Derivatives are not there yet: what is simulated, in smooth layers."""
+        """In smooth layers."""
+        self.check_evaluation(name)
         for ranks in RANK_COUNTS:
             with self.subTest(ranks=ranks):
                 run, expected = self.run_case(name, ranks, task="simulate")

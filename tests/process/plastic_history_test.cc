@@ -40,7 +40,7 @@ TEST(PlasticHistoryTest, ABarThatIsHeldFollowsTheClosedForm) {
   displacements[1] = displacements[2] = -0.5 * plastic;
   const PlasticHistory history(process.model);
   PlasticHistory::Output output;
-  history.run({densities, steps, nullptr, process.strain, 0, displacements, false, {}}, output);
+  history.run({densities, steps, nullptr, process.strain}, {0, displacements, false, {}}, output);
   EXPECT_NEAR(output.built.stress[0] * young, stress, 1e-12);
   EXPECT_NEAR(output.built.plastic_strain[0], plastic, 1e-14);
   for (int c = 1; c < voigt_size<3>; ++c) EXPECT_NEAR(output.built.stress[c], 0.0, 1e-14);
@@ -60,7 +60,7 @@ TEST(PlasticHistoryTest, ABarThatIsLetGoKeepsItsPlasticStrain) {
   release[0] = -(yield_stress + hardening * plastic) / young;
   const PlasticHistory history(process.model);
   PlasticHistory::Output output;
-  history.run({densities, steps_of_layers(1), nullptr, process.strain, 0, displacements, false, release},
+  history.run({densities, steps_of_layers(1), nullptr, process.strain}, {0, displacements, false, release},
               output);
   for (int c = 0; c < voigt_size<3>; ++c) EXPECT_NEAR(output.released.stress[c], 0.0, 1e-14);
   EXPECT_EQ(output.released.plastic_strain, output.built.plastic_strain);
@@ -85,7 +85,7 @@ TEST(PlasticHistoryTest, StressFollowsTheModulus) {
   const std::vector<double> displacements(2 * ElementModes::components, 0.0);
   const PlasticHistory history(process.model);
   PlasticHistory::Output output;
-  history.run({densities, steps, &temperatures, process.strain, 0, displacements, true, {}}, output);
+  history.run({densities, steps, &temperatures, process.strain}, {0, displacements, true, {}}, output);
   // New material shrinks by 0.01 on its way to 20 degrees, and grows as much on its way back.
   EXPECT_NEAR(output.forces[0], 0.01, 1e-14);
   EXPECT_NEAR(output.forces[ElementModes::components], 0.1 * 0.01 - 0.1 * 0.01, 1e-14);

@@ -57,8 +57,31 @@ struct HeatedGallows {
   double value(const LayerDensities& of, int functional) {
     const std::vector<double> weight = weights(functional);
     const std::vector<double>& interpass = temperature.simulation.simulate(of).interpass;
-    return std::inner_product(weight.begin(), weight.end(), interpass.begin(), 0.0);
+    double result = std::inner_product(weight.begin(), weight.end(), interpass.begin(), 0.0);
+    if (functional != of_ends) return result;
+    const LayerTemperatures& temperatures = temperature.simulation.simulate(of);
+    const std::vector<double> weight_of_ends = end_weights();
+    const std::size_t nodes = weight_of_ends.size() / static_cast<std::size_t>(2 * densities.count());
+    double own = 0.0;
+    for (int j = 0; j < densities.count(); ++j)
+      for (std::size_t i = 0; i < temperatures.nodes.size(); ++i) {
+        const double* weights = &weight_of_ends[2 * j * nodes + temperatures.nodes[i]];
+        own += weights[0] * temperatures.after_steps[j][welding_steps() - 1][i] +
+               weights[nodes] * temperatures.at_end(j)[i];
+      }
+    return result + sum(setup.grid.comm(), own);
   }
+  std::size_t welding_steps() const {
+    return static_cast<std::size_t>(temperature.thermal.properties.welding_steps);
+  }
+  /// Weights of the excesses at both ends of all layers, which one functional has as well.
+  std::vector<double> end_weights() const {
+    std::vector<double> result(2 * static_cast<std::size_t>(densities.count()) *
+                               setup.grid.owned_nodes().count());
+    for (std::size_t i = 0; i < result.size(); ++i) result[i] = 1e-2 * test::noise(static_cast<int>(i), 60);
+    return result;
+  }
+  static constexpr int of_ends = 2;
   double total(const std::vector<double>& field) const {
     return sum(setup.grid.comm(), std::accumulate(field.begin(), field.end(), 0.0));
   }
@@ -131,7 +154,10 @@ TYPED_TEST(TemperatureSimulationTest, DerivativesAgreeWithDifferences) {
     std::vector<DensityDerivatives> derivatives(functionals, DensityDerivatives(densities.count()));
     std::vector<TemperatureAdjoint> adjoints;
     for (int f = 0; f < functionals; ++f) weights.push_back(gallows.weights(f));
-    for (int f = 0; f < functionals; ++f) adjoints.push_back({weights[f], &derivatives[f], nullptr});
+    const std::vector<double> ends = gallows.end_weights();
+    for (int f = 0; f < functionals; ++f)
+      adjoints.push_back({weights[f], f == gallows.of_ends ? std::span(ends) : std::span<const double>(),
+                          &derivatives[f], nullptr});
     gallows.temperature.simulation.pull_back(densities, adjoints);
     // In proportion: what does not stand yet must not get less than nothing.
     const auto change = [&](const std::vector<double>& density, int salt) {

@@ -10,6 +10,10 @@
 
 namespace fabseq {
 
+/// Sets `load` to -w_j (dJ/du + dJ/d(w_j du_s)) in a block's steps, on all owned nodes. Local.
+void set_adjoint_load(const ProcessAdjoint& functional, const ProcessResult& result, std::size_t block,
+                      LaneVector& load);
+
 /// Loads of the adjoint systems of a process (docs/developer/derivatives.md 8.2), -w_j (dJ/du + dJ/d(w_j
 /// du_j)).
 ///

@@ -10,6 +10,10 @@
 
 namespace fabseq {
 
+class PlasticAdjoint;
+class PlasticSweeps;
+struct PlasticDerivatives;
+
 /// The layer-by-layer simulation of a material that flows, and whose modulus, yield stress and length follow
 /// the temperature (docs/formulation.md 16). All steps are solved at once: each sweep finds the history of
 /// every element, and corrects the displacements of all steps by elastic solves, which Anderson's method
@@ -21,11 +25,12 @@ class PlasticProcess : public Process<3> {
   /// The material must have a yield stress.
   PlasticProcess(const ElasticModel<3>& model, std::unique_ptr<ElasticitySolver<3>> solver,
                  const LayerGroups& groups, BlockSolver blocks, int lanes = widest_block);
+  ~PlasticProcess() override;
 
   /// Simulates until the displacements change by less than a tenth of the tolerance. Throws NumericalError if
   /// the sweeps do not converge. Inherent strains count where there are no temperatures.
   const ProcessResult& simulate(const ProcessInput<3>& input) override;
-  /// Throws std::logic_error: derivatives are not there yet, and the config refuses what needs them.
+  /// Solves an adjoint for each functional. Throws NumericalError if its sweeps do not converge.
   void pull_back(const LayerDensities& densities, std::span<const ProcessAdjoint> functionals,
                  std::span<const ProcessDerivatives> derivatives) override;
   std::vector<double> release_displacement(const LayerDensities&, const ReleaseSolver&) const override {
@@ -42,6 +47,12 @@ class PlasticProcess : public Process<3> {
   /// What this rank's share of the elements has, on all owned elements.
   LockedIn gathered(const std::vector<double>& stress, const std::vector<double>& plastic_strain) const;
 
+  void add_derivatives(const LayerDensities& densities, const PlasticAdjoint& adjoint,
+                       const ProcessAdjoint& functional, const ProcessDerivatives& to) const;
+
+  void add_temperatures(const PlasticDerivatives& found, std::vector<std::vector<double>>& to) const;
+
+  std::unique_ptr<PlasticSweeps> forward_;  ///< that have found the last result
   double tolerance_ = 1e-6;
   int sweeps_ = 0;
   LockedIn built_, released_;

@@ -29,11 +29,14 @@ struct ProcessAdjoint {
 LaneVector weight_derivatives(const ProcessAdjoint& functional, const ProcessResult& result,
                               std::size_t block, const LaneVector& increments);
 
-/// Where the derivatives of a functional with respect to densities and strains go.
+/// Where the derivatives of a functional with respect to densities, strains and temperatures go.
 struct ProcessDerivatives {
   DensityDerivatives* densities = nullptr;
   std::vector<double>* strains = nullptr;  ///< dJ/d(inputs of the StrainSource), sized at first
                                            ///< use; nullptr: not asked for
+  /// dJ/d(StepTemperatures), this rank's part of the sum over its copies, sized at first use; nullptr: not
+  /// asked for.
+  std::vector<std::vector<double>>* temperatures = nullptr;
   DensitySink* sink = nullptr;  ///< takes `densities` after each block of layers; nullptr: they stay there
 };
 

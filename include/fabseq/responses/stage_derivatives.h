@@ -40,21 +40,27 @@ struct StrainDerivatives : HeldByAll {
   void drop() { inputs.clear(); }
 };
 
-/// Derivatives with respect to the temperatures at which layers begin, [layer], this rank's part of the sum
-/// over all ranks; empty while zero.
+/// Derivatives with respect to temperatures, this rank's part of the sum over all ranks; empty while zero.
 struct TemperatureDerivatives {
-  std::vector<double> interpass;
+  std::vector<double> interpass;  ///< at which layers begin, [layer]
+  /// Excesses at the end of deposition and of the pause, [layer][these two][owned node].
+  std::vector<double> ends;
 
   std::vector<double>& zeros_if_empty(int layers) {
     return DensityDerivatives::zeros_if_empty(interpass, static_cast<std::size_t>(layers));
   }
-  void drop() { interpass.clear(); }
+  void drop() {
+    interpass.clear();
+    ends.clear();
+  }
   void keep_once() { std::ranges::fill(interpass, 0.0); }
   /// Leaves nothing in other groups than the owner.
   void sum_at(const LayerGroups& groups, int owner) {
-    if (interpass.empty()) return;
-    groups.sum_at(owner, interpass);
-    if (groups.index() != owner) interpass.clear();
+    for (std::vector<double>* values : {&interpass, &ends}) {
+      if (values->empty()) continue;
+      groups.sum_at(owner, *values);
+      if (groups.index() != owner) values->clear();
+    }
   }
 };
 

@@ -15,9 +15,11 @@
 
 namespace fabseq {
 
-/// A functional of the interpass temperatures on its way back.
+/// A functional of the temperatures on its way back.
 struct TemperatureAdjoint {
   std::span<const double> interpass;  ///< dJ/dB_j, [layer], the same on all ranks of the grid
+  /// dJ/dtheta at the end of deposition and of the pause, [layer][these two][owned node]; empty: zero.
+  std::span<const double> ends;
   DensityDerivatives* densities;      ///< to which its derivatives are added
   DensitySink* sink;                  ///< takes them after each layer; nullptr: they stay there
 };
