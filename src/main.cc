@@ -73,7 +73,7 @@ RunOutcome optimize(const CommandLine& command_line, const Setup<Dim>& setup, co
       run.complete(std::move(next), step.change, iterate.values);
       if (output.keep(run, pipeline)) pipeline.start_cold();
     }
-    pipeline.set_tolerances(Tolerances::all({setup.config.solver.finest_tolerance()}));
+    pipeline.set_tolerances(Tolerances::all(setup.config.solver.tolerance_of_reports()));
     pipeline.set_region(SolverRegion::whole);
     return finish(setup, run, pipeline, output, timer);
   } catch (const Stopped& reason) {

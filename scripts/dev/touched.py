@@ -3,14 +3,13 @@
 """Names what a change touches: scripts/dev/touched.py --since COMMIT (--sources | --tests)
 
     --since COMMIT  the change: all files that differ from this commit, new ones included
-    --sources       sources of the program that changed or name a header that changed, one a line, for
+    --sources       sources of the program that changed, or name a header that changed, one a line, for
                     scripts/dev/lint.sh --tidy
-    --tests         a regular expression for ctest -R: unit tests that changed, that name a header that changed,
-                    or the header beside one of those sources; nothing where there is none
+    --tests         a regular expression for ctest -R: unit tests that changed, that name a header
+                    that changed, or the header beside one of those sources; nothing where there is none
 
-A header counts where a file names it, for tests also through their own headers: what lies behind others, the next
-full run looks at. Runs of the whole
-program belong to no file: --tests names none."""
+A header counts where a file names it, for tests also through their own headers: what lies behind
+others, the next full run looks at. Runs of the whole program belong to no file: --tests names none."""
 
 import argparse
 import functools
@@ -39,7 +38,7 @@ class Tree:
         return [place for place in places if (self.root / place).is_file()]
 
     def names(self, path):
-        """The file and the headers of the project that it names, or that headers of the tests which it names do."""
+        """The file and the headers of the project that it, or a header of the tests that it names, names."""
         found, waiting = {path}, [path]
         while waiting:
             new = [header for header in self.headers(waiting.pop()) if header not in found]

@@ -25,8 +25,8 @@ StepTemperatures step_temperatures(const ElasticModel<Dim>& model, const Thermal
                                    const LayerTemperatures& temperatures,
                                    const std::vector<BuildStep>& steps);
 
-/// Adds the derivative with respect to the excesses that follows from that with respect to these temperatures.
-/// `derivative`: [step][element of the model]. Collective on the grid's communicator.
+/// Adds the derivative with respect to the excesses that follows from that with respect to these
+/// temperatures. `derivative`: [step][element of the model]. Collective on the grid's communicator.
 template <int Dim>
 void add_end_derivatives(const ElasticModel<Dim>& model, const std::vector<BuildStep>& steps,
                          const std::vector<std::vector<double>>& derivative, TemperatureDerivatives& to);

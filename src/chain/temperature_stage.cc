@@ -62,8 +62,7 @@ class TemperatureStage : public Stage<Dim> {
       std::vector<double>& interpass = row->adjoint.temperatures.interpass;
       if (!row->own || interpass.empty()) continue;
       sum_in_place(groups_.domain(), std::span<double>(interpass));
-      functionals.push_back(
-          {interpass, row->adjoint.temperatures.ends, &row->adjoint.densities, &row->sink});
+      functionals.push_back({interpass, row->adjoint.temperatures.ends, &row->adjoint.densities, &row->sink});
     }
     temperature_.simulation.set_tolerance(step_tolerance(tolerance));
     temperature_.simulation.pull_back(*state.densities, functionals);

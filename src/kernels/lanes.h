@@ -153,6 +153,40 @@ struct Lanes<1, Real> {
   Real operator[](int) const { return value; }
 };
 
+/// The larger of two numbers, lane by lane.
+template <int Width, class Real>
+[[gnu::always_inline]] inline Lanes<Width, Real> larger(const Lanes<Width, Real>& a,
+                                                        const Lanes<Width, Real>& b) {
+  Lanes<Width, Real> result;
+  if constexpr (Width == 1)
+    result.value = std::max(a.value, b.value);
+  else
+    for (int i = 0; i < Lanes<Width, Real>::parts; ++i)
+      result.part[i] = a.part[i] > b.part[i] ? a.part[i] : b.part[i];
+  return result;
+}
+
+/// 1 in lanes with a positive number, 0 in others.
+template <int Width>
+[[gnu::always_inline]] inline Lanes<Width> is_positive(const Lanes<Width>& a) {
+  Lanes<Width> result;
+  if constexpr (Width == 1)
+    result.value = a.value > 0.0 ? 1.0 : 0.0;
+  else
+    for (int i = 0; i < Lanes<Width>::parts; ++i)
+      result.part[i] = a.part[i] > 0.0 ? Lanes<Width>::broadcast(1.0).part[i] : Lanes<Width>::zero().part[i];
+  return result;
+}
+
+/// Square roots, lane by lane.
+template <int Width>
+[[gnu::always_inline]] inline Lanes<Width> root(const Lanes<Width>& a) {
+  alignas(register_bytes) std::array<double, Width> values;
+  a.store(values.data());
+  for (double& value : values) value = __builtin_sqrt(value);
+  return Lanes<Width>::load(values.data());
+}
+
 /// `Width` lanes of two registers behind each other, from lane `First` on; in one register.
 template <int Width, int First, int Each, class Real>
 [[gnu::always_inline]] inline Lanes<Width, Real> lanes_from(const Lanes<Each, Real>& before,

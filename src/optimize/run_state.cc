@@ -35,10 +35,16 @@ RunState<Dim>::RunState(const Model<Dim>& model, const OptimizerSettings& settin
 template <int Dim>
 Tolerances RunState<Dim>::tolerances() const {
   const SolverSettings& solver = model_.settings.solver;
-  if (solver.tolerance) return Tolerances::all({*solver.tolerance});
   const int iteration = completed_ + 1;
-  Tolerances result = following_tolerances(continuation.move_limit(iteration), share_left_);
-  if (continuation.near_the_end(iteration)) result.primal = {solver.finest_tolerance()};
+  Tolerances result = Tolerances::all({solver.finest_tolerance()});
+  if (!solver.tolerance) {
+    const SolveTolerance finest = result.primal;
+    result = following_tolerances(continuation.move_limit(iteration), share_left_);
+    if (continuation.near_the_end(iteration)) result.primal = finest;
+  }
+  constexpr double usual = 0.1, at_the_end = 0.01, for_comparison = 0.001;
+  result.primal.flow = result.adjoint.flow = continuation.near_the_end(iteration) ? at_the_end : usual;
+  result.judged.flow = for_comparison;
   return result;
 }
 

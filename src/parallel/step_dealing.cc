@@ -137,4 +137,19 @@ StepDeal deal_out_steps(std::span<const double> work, int groups, int widest, Bl
   return best;
 }
 
+StepDeal deal_out_in_turn(std::size_t steps, int groups, int widest, std::span<const int> layers) {
+  const BlockEnds ends(steps, layers);
+  StepDeal result;
+  result.blocks.resize(groups);
+  std::size_t next = 0;
+  for (int first = 0; first < static_cast<int>(steps);) {
+    const int end = ends.end(first, widest);
+    result.blocks[next++ % groups].push_back({first, end - first});
+    first = end;
+  }
+  result.longest = static_cast<double>(result.blocks.front().size());
+  result.total = static_cast<double>(next);
+  return result;
+}
+
 }  // namespace fabseq

@@ -31,7 +31,9 @@ class ElementModes {
   template <int Width>
   Nodal<Width> forces(const Modes<Width>& modes) const;
   /// Product of amplitudes with the element's stiffness between them, for unit Young's modulus.
-  double energy(const std::array<double, amplitudes>& a, const std::array<double, amplitudes>& b) const;
+  template <int Width>
+  Lanes<Width> energy(const std::array<Lanes<Width>, amplitudes>& a,
+                      const std::array<Lanes<Width>, amplitudes>& b) const;
   double volume() const { return volume_; }
 
  private:
@@ -72,6 +74,22 @@ ElementModes::Modes<Width> ElementModes::of(Nodal<Width>& u) const {
   }
   for (const int mode : hourglass)
     for (int a = 0; a < 3; ++a) result[amplitude(mode, a)] = u[a][mode];
+  return result;
+}
+
+template <int Width>
+Lanes<Width> ElementModes::energy(const std::array<Lanes<Width>, amplitudes>& a,
+                                  const std::array<Lanes<Width>, amplitudes>& b) const {
+  Lanes<Width> result = Lanes<Width>::zero();
+  for (int parity_class = 0; parity_class < 8; ++parity_class)
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) {
+        const int row = ParityMatrix<3, 3>::mode(parity_class, i),
+                  column = ParityMatrix<3, 3>::mode(parity_class, j);
+        if (row < 3 || row == 4 || !ParityMatrix<3, 3>::couples(parity_class, i, j)) continue;
+        result += a[amplitude(row, i) - strains] * b[amplitude(column, j) - strains] *
+                  stiffness_.blocks[parity_class][i][j];
+      }
   return result;
 }
 

@@ -3,9 +3,6 @@
 
 #include "fabseq/process/process_adjoint.h"
 #include "fabseq/process/process_result.h"
-#include "fabseq/process/release.h"
-#include "fabseq/process/step_systems.h"
-#include "process/plastic_adjoint_history.h"
 #include "process/plastic_sweeps.h"
 
 #include <cstddef>
@@ -14,43 +11,32 @@
 
 namespace fabseq {
 
-/// The adjoint of a plastic process for one functional, by sweeps like those forward
-/// (docs/developer/derivatives.md 16). The unknowns are those of PlasticAdjointHistory::Adjoint; they vanish on
-/// the supports but for the release's. Collective on the world of the groups.
-class PlasticAdjoint : public StepLoads {
+/// The adjoints of a plastic process, wave by wave from the release to the first steps, by sweeps like those
+/// forward (docs/developer/derivatives.md 16). The unknowns of a wave are those of
+/// PlasticHistory::run_back(); they vanish on the supports but for the release's. Collective on the world of
+/// the groups.
+class PlasticAdjoint {
  public:
-  /// `forward`: the sweeps that have found the state. `release`: nullptr: there is none. References must
-  /// outlive the object.
-  PlasticAdjoint(StepSystems<3>& systems, Release<3>* release, const PlasticSweeps& forward,
-                 const ProcessResult& result, const ProcessAdjoint& functional);
+  /// `forward`: the sweeps that have found the state. All arguments must outlive the object.
+  PlasticAdjoint(PlasticSweeps& forward, const ProcessResult& result) : forward_(forward), result_(result) {}
 
-  /// Iterates until a sweep changes the adjoint by less than this share of it. Returns the number of sweeps.
-  /// Throws NumericalError if there would be too many.
-  int run(double tolerance);
-  /// Derivatives of this rank's share of the elements.
-  const PlasticDerivatives& derivatives() const { return derivatives_; }
-
-  std::size_t begin(std::size_t) override { return 1; }
-  void set(std::size_t block, std::size_t side, LaneVector& load) override;
-  void take(std::size_t block, std::size_t side, LaneVector& solution) override;
+  /// Adds derivatives of functionals. Returns the number of sweeps of each step, the largest of its
+  /// functionals. `unknowns`: [functional][wave], from which sweeps begin and with which they end; empty:
+  /// from zero, and they are not kept. Throws NumericalError if there would be too many sweeps.
+  std::vector<int> run(std::span<const ProcessAdjoint> functionals,
+                       std::span<const ProcessDerivatives> derivatives, const PlasticStop& stop,
+                       std::span<std::vector<LaneVector>> unknowns);
 
  private:
-  /// Sets what the functional adds to the equation of each step; where displacements are sums, less that of
-  /// the next step.
-  void set_explicit(const ProcessResult& result);
-  void find_forces(PlasticDerivatives* derivatives);
+  /// What a functional adds to the equations of a wave.
+  LaneVector explicit_forces(const PlasticWave& wave, const ProcessAdjoint& functional) const;
+  /// Takes `dual` back through a wave: sets `forces`, or adds derivatives.
+  void run_back(std::size_t wave, const LaneVector& unknowns, const std::vector<PlasticDual>& dual,
+                LaneVector* forces, std::vector<PlasticDual>* before, const ProcessDerivatives* to);
 
-  StepSystems<3>& systems_;
-  Release<3>* release_;
-  const PlasticSweeps& forward_;
-  const ProcessAdjoint& functional_;
-  PlasticHistory::Displacements displacements_;
-  PlasticAdjointHistory history_;
-  std::vector<LaneVector> explicit_;  ///< by block
-  std::vector<double> unknowns_, step_;
-  std::vector<LaneVector> forces_;
-  std::vector<double> at_release_;  ///< on all owned nodes
-  PlasticDerivatives derivatives_;
+  PlasticSweeps& forward_;
+  const ProcessResult& result_;
+  PlasticHistory::Records records_;
 };
 
 }  // namespace fabseq

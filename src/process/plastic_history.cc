@@ -1,95 +1,147 @@
 // SPDX-License-Identifier: MIT
 #include "process/plastic_history.h"
 
-#include "process/element_modes.h"
-
 #include <algorithm>
-#include <array>
 
 namespace fabseq {
 
-PlasticHistory::PlasticHistory(const ElasticModel<3>& model)
-    : model_(model),
-      curves_(model.material),
-      yield_(model.material.yield_stress.value() / model.material.young),
-      hardening_(model.material.hardening / model.material.young) {}
+namespace {
 
-void PlasticHistory::set_step(const PlasticInput& input, std::size_t model_element, std::size_t number,
-                              PlasticStep& step) const {
-  const BuildStep& build = input.steps[number];
-  const double density = model_.stage_density(input.densities.stage[build.layer], model_element);
-  const int part_element = model_.part_element[model_element];
-  step.stiffness = model_.stiffness(density);
-  step.load =
-      build.adds && part_element >= 0 ? model_.load(input.densities.layer[build.layer][part_element]) : 0.0;
-  double yield_factor = 1.0;
-  step.modulus = 1.0;
-  if (input.temperatures != nullptr) {
-    const double temperature = input.temperatures->elements[number][model_element];
-    step.modulus = curves_.young(temperature);
-    yield_factor = curves_.yield(temperature);
-    step.elongation = curves_.elongation(temperature);
-    step.inherent_strain.fill(0.0);
-    std::fill_n(step.inherent_strain.begin(), 3, step.elongation - curves_.first_elongation());
-  } else if (build.adds && part_element >= 0) {
-    input.strains.set_strains({&part_element, 1}, {static_cast<int>(number), 1}, step.inherent_strain);
-  }
-  const double share = YieldShare::of(density) * yield_factor;
-  step.yield = share * yield_;
-  step.hardening = share * hardening_;
+constexpr int strain_count = ElementModes::strains;
+constexpr int mode_count = ElementModes::components;
+constexpr int step_size = mode_count * plastic_width;
+
+ModeLanes loaded(const double* values) {
+  ModeLanes result;
+  for (int c = 0; c < mode_count; ++c) result[c] = PlasticLanes::load(values + c * plastic_width);
+  return result;
 }
 
-PlasticPoint PlasticHistory::start(const PlasticInput& input, std::size_t model_element) const {
-  PlasticPoint point;
-  const bool stands = model_.part_element[model_element] < 0 && model_.stage_density({}, model_element) > 0.0;
-  point.stiffness = model_.stiffness(stands ? 1.0 : 0.0);
-  if (input.temperatures != nullptr && stands)
-    point.elongation = curves_.elongation(input.temperatures->plate);
-  return point;
+void store(const ModeLanes& modes, double* to) {
+  for (int c = 0; c < mode_count; ++c) modes[c].store(to + c * plastic_width);
 }
 
-void PlasticHistory::run(const PlasticInput& input, const Displacements& displacements,
-                         Output& output) const {
-  constexpr int components = ElementModes::components;
-  const std::size_t steps = input.steps.size(), elements = displacements.steps.size() / (steps * components);
-  output.forces.resize(displacements.steps.size());
-  output.at_end.resize(elements * components);
-  for (PlasticState* state : {&output.built, &output.released}) {
-    state->stress.resize(elements * ElementModes::strains);
-    state->plastic_strain.resize(elements);
+ModeLanes forces_of(const PlasticPoint& point) {
+  ModeLanes result;
+  std::ranges::copy(point.hourglass, std::ranges::copy(point.stress, result.begin()).out);
+  return result;
+}
+
+ModeLanes less(ModeLanes a, const ModeLanes& b) {
+  for (int c = 0; c < mode_count; ++c) a[c] = a[c] - b[c];
+  return a;
+}
+
+}  // namespace
+
+PlasticDual PlasticDual::zero() {
+  PlasticDual result;
+  result.stress.fill(PlasticLanes::zero());
+  result.hourglass.fill(PlasticLanes::zero());
+  result.plastic_strain = result.modulus = result.elongation = PlasticLanes::zero();
+  return result;
+}
+
+ModeLanes PlasticHistory::increment(const PlasticWave& wave, int step, const double* displacements) const {
+  const double* own = displacements + step * step_size;
+  const bool is_sum = accumulated_ && !wave.release && step > 0;
+  return is_sum ? less(loaded(own), loaded(own - step_size)) : loaded(own);
+}
+
+void PlasticHistory::run(const PlasticWave& wave, std::size_t batch, const double* displacements,
+                         double* forces, PlasticPoint& point) const {
+  const bool sums = accumulated_ || wave.release;
+  for (int s = 0; s < wave.count; ++s) {
+    const ModeLanes before = forces_of(point);
+    advance(elastic_, material_.step(batch, s), increment(wave, s, displacements), point);
+    if (forces == nullptr) continue;
+    store(sums ? forces_of(point) : less(forces_of(point), before), forces + s * step_size);
   }
-  const auto keep = [](std::size_t e, const PlasticPoint& point, PlasticState& state) {
-    std::ranges::copy(point.stress,
-                      state.stress.begin() + static_cast<std::ptrdiff_t>(e * ElementModes::strains));
-    state.plastic_strain[e] = point.plastic_strain;
-  };
-  const auto store = [](const PlasticPoint& point, double* to) {
-    std::ranges::copy(point.hourglass, std::ranges::copy(point.stress, to).out);
-  };
-  for (std::size_t e = 0; e < elements; ++e) {
-    const std::size_t model_element = displacements.first_element + e;
-    PlasticPoint point = start(input, model_element);
-    PlasticStep step;
-    for (std::size_t s = 0; s < steps; ++s) {
-      set_step(input, model_element, s, step);
-      const double* displacement = &displacements.steps[(e * steps + s) * components];
-      double* force = &output.forces[(e * steps + s) * components];
-      std::array<double, components> increment, before;
-      for (int c = 0; c < components; ++c)
-        increment[c] =
-            displacement[c] - (displacements.accumulated && s > 0 ? displacement[c - components] : 0.0);
-      store(point, before.data());
-      advance(model_.element, model_.material.poisson, step, increment.data(), point);
-      store(point, force);
-      for (int c = 0; !displacements.accumulated && c < components; ++c) force[c] -= before[c];
-    }
-    keep(e, point, output.built);
-    if (!displacements.release.empty()) {
-      step.load = 0.0;
-      advance(model_.element, model_.material.poisson, step, &displacements.release[e * components], point);
-    }
-    keep(e, point, output.released);
-    store(point, &output.at_end[e * components]);
+}
+
+/// Adjoint displacement of a step less that of the next one.
+ModeLanes PlasticHistory::adjoint_difference(const PlasticWave& wave, int step, const double* adjoint) const {
+  const double* own = adjoint + step * step_size;
+  const bool is_difference = accumulated_ || step + 1 == wave.count;
+  return is_difference ? loaded(own) : less(loaded(own), loaded(own + step_size));
+}
+
+/// Sets the adjoint of a step, and takes `dual` from behind the step to before it.
+void PlasticHistory::step_back(Record& own, const ModeLanes& difference, PlasticDual& dual) const {
+  Voigt& mu = dual.stress;
+  for (int c = 0; c < strain_count; ++c) mu[c] += difference[c];
+  for (int k = 0; k < ElementModes::amplitudes; ++k)
+    own.hourglass[k] = difference[strain_count + k] + dual.hourglass[k];
+  const Voigt &n = own.returned.direction, d = deviator(mu);
+  const PlasticLanes r = own.returned.share, shear = own.returned.stress_of_shear,
+                     flows = is_positive(own.returned.flow);
+  own.a = paired(mu, n) * flows;
+  own.c = (dual.plastic_strain - shear * own.a) / (shear + own.step.hardening) * flows;
+  const PlasticLanes along = (r * own.a + own.c) * 1.5;
+  for (int c = 0; c < strain_count; ++c) own.dual[c] = mu[c] - r * d[c] + along * n[c] * (c < 3 ? 1.0 : 2.0);
+  dual.plastic_strain = dual.plastic_strain - own.step.hardening * own.c;
+  own.ratio = paired(own.dual, own.before.stress) * modes_.volume() +
+              modes_.energy<plastic_width>(own.hourglass, own.before.hourglass);
+  for (int c = 0; c < strain_count; ++c) mu[c] = own.returned.ratio * own.dual[c];
+  for (int k = 0; k < ElementModes::amplitudes; ++k)
+    dual.hourglass[k] = own.returned.ratio * own.hourglass[k];
+}
+
+/// `behind`: what is behind the step.
+PlasticStepDerivatives PlasticHistory::derivatives(const Record& own, const PlasticDual& behind) const {
+  PlasticStepDerivatives result;
+  const double volume = modes_.volume();
+  Voigt strain, load = elastic_.stress(own.dual);  // -dJ/dl
+  std::copy_n(own.displacement.begin(), strain_count, strain.begin());
+  Amplitudes amplitudes;
+  std::copy_n(own.displacement.begin() + strain_count, amplitudes.size(), amplitudes.begin());
+  PlasticLanes young =
+      paired(load, strain) * volume + modes_.energy<plastic_width>(own.hourglass, amplitudes);
+  young = young - own.returned.flow * (own.a + own.c) * (3.0 * volume * elastic_.shear);
+  for (PlasticLanes& value : load) value = value * -volume;
+  result.yield = own.c * -volume;
+  result.hardening = result.yield * own.plastic_strain;
+  result.stiffness = own.step.modulus * young;
+  result.modulus = own.step.stiffness * young + paired(load, own.returned.load) +
+                   own.ratio / own.before.modulus - behind.modulus / own.step.modulus;
+  const PlasticLanes normal = load[0] + load[1] + load[2];
+  result.elongation =
+      own.step.modulus * own.before.stiffness * normal - own.step.stiffness * behind.elongation;
+  result.stiffness_before = own.step.modulus * (own.step.elongation - own.before.elongation) * normal;
+  result.load = own.step.modulus * paired(load, own.step.inherent_strain);
+  for (int c = 0; c < strain_count; ++c)
+    result.inherent_strain[c] = own.step.modulus * own.step.load * load[c];
+  return result;
+}
+
+void PlasticHistory::run_back(const PlasticWave& wave, std::size_t batch, const double* displacements,
+                              const double* adjoint, PlasticPoint point, double* forces, PlasticDual& dual,
+                              const ProcessDerivatives* to, Records& records) const {
+  records.resize(static_cast<std::size_t>(wave.count));
+  for (int s = 0; s < wave.count; ++s) {
+    Record& own = records[s];
+    own.before = point;
+    own.step = material_.step(batch, s);
+    own.displacement = increment(wave, s, displacements);
+    own.returned = advance(elastic_, own.step, own.displacement, point);
+    own.plastic_strain = point.plastic_strain;
+  }
+  ModeLanes behind;
+  for (int s = wave.count; s-- > 0;) {
+    Record& own = records[s];
+    const PlasticDual behind_step = dual;
+    step_back(own, adjoint_difference(wave, s, adjoint), dual);
+    const Voigt stress = elastic_.stress(own.dual);
+    ModeLanes force;
+    for (int c = 0; c < strain_count; ++c) force[c] = own.returned.young * stress[c];
+    for (int k = 0; k < ElementModes::amplitudes; ++k)
+      force[strain_count + k] = own.returned.young * own.hourglass[k];
+    if (forces != nullptr)
+      store(accumulated_ && s + 1 < wave.count ? less(force, behind) : force, forces + s * step_size);
+    behind = force;
+    dual.modulus = own.returned.ratio * own.ratio;
+    dual.elongation = own.step.modulus * (stress[0] + stress[1] + stress[2]) * -modes_.volume();
+    if (to != nullptr) material_.add_derivatives(batch, s, derivatives(own, behind_step), *to);
   }
 }
 

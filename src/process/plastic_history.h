@@ -1,75 +1,77 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "fabseq/fem/element_matrices.h"
-#include "fabseq/layers/layers.h"
-#include "fabseq/process/build_step.h"
-#include "fabseq/process/elastic_model.h"
-#include "fabseq/process/step_temperatures.h"
-#include "fabseq/process/strain_source.h"
-#include "process/material_curves.h"
+#include "process/element_modes.h"
+#include "process/plastic_material.h"
 #include "process/plastic_point.h"
+#include "process/plastic_wave.h"
 
 #include <cstddef>
-#include <span>
 #include <vector>
 
 namespace fabseq {
 
-/// What a process leaves in its elements after the last step, or after the release: of a share of the model's
-/// elements.
-struct PlasticState {
-  std::vector<double> stress;          ///< [element][Voigt], for unit Young's modulus
-  std::vector<double> plastic_strain;  ///< equivalent, [element]
+/// What stands behind a step, backwards (docs/developer/derivatives.md 16).
+struct PlasticDual {
+  Voigt stress;                 ///< mu
+  PlasticLanes plastic_strain;  ///< mu_kappa
+  Amplitudes hourglass;         ///< phi eta
+  PlasticLanes modulus;         ///< phi dJ/dphi
+  PlasticLanes elongation;      ///< f m . l^
+
+  static PlasticDual zero();
 };
 
-/// What histories of plastic flow are found for. References must outlive their use.
-struct PlasticInput {
-  const LayerDensities& densities;
-  std::span<const BuildStep> steps;
-  const StepTemperatures* temperatures;  ///< nullptr: the process has one temperature
-  const StrainSource<3>& strains;        ///< inherent strain where there are no temperatures
-};
-
-/// The history of plastic flow in each element (docs/formulation.md 16): J2 with isotropic hardening, one
-/// state per element, radial return in each step (PlasticPoint). Local.
+/// Histories of plastic flow in batches of elements (docs/formulation.md 16), J2 with isotropic hardening and
+/// one state per element, and back: of the steps of a wave. Stresses are for unit Young's modulus at room
+/// temperature. Values of histories are [step][ElementModes][element]. Local.
 class PlasticHistory {
  public:
-  /// The model must outlive the object.
-  explicit PlasticHistory(const ElasticModel<3>& model);
+  /// All arguments must outlive the object. `accumulated`: whether displacements are sums from the wave's
+  /// first step on; forces are sums from the first step of all, then, else what each step adds.
+  PlasticHistory(const ElasticModel<3>& model, const ElementModes& modes, const PlasticMaterial& material,
+                 bool accumulated)
+      : elastic_(model.material.poisson), modes_(modes), material_(material), accumulated_(accumulated) {}
 
-  /// Displacements of a share of the model's elements as ElementModes.
-  struct Displacements {
-    std::size_t first_element;        ///< of the share: number among the model's elements
-    std::span<const double> steps;    ///< [element of the share][step][ElementModes]
-    bool accumulated;                 ///< whether they are sums up to the step
-    std::span<const double> release;  ///< [element of the share][ElementModes]; empty: none
-  };
-  struct Output {
-    /// Stresses and amplitudes times stiffness (ElementModes::forces()): what each step adds to them, or
-    /// where displacements are sums, what they are. [element of the share][step][ElementModes]
-    std::vector<double> forces;
-    std::vector<double>
-        at_end;  ///< what they are after the last step, or the release: [element][ElementModes]
-    PlasticState built, released;
-  };
-  void run(const PlasticInput& input, const Displacements& displacements, Output& output) const;
+  /// Takes the states of a batch through the steps. Sets `forces`, unless it is null, to stresses and
+  /// amplitudes times stiffness (ElementModes::forces()); those of the release are sums.
+  void run(const PlasticWave& wave, std::size_t batch, const double* displacements, double* forces,
+           PlasticPoint& point) const;
 
-  /// Sets the material of an element of the model in a step.
-  void set_step(const PlasticInput& input, std::size_t model_element, std::size_t number,
-                PlasticStep& step) const;
-  /// State of an element before the first step.
-  PlasticPoint start(const PlasticInput& input, std::size_t model_element) const;
-  const ElasticModel<3>& model() const { return model_; }
-  const MaterialCurves& curves() const { return curves_; }
-  /// Yield stress and hardening over Young's modulus, at room temperature.
-  double yield() const { return yield_; }
-  double hardening() const { return hardening_; }
+  /// A step forward, and of its adjoint.
+  struct Record;
+  using Records = std::vector<Record>;
+  /// Takes adjoints of a batch back through the steps. `start`: the state before them. `adjoint`: lambda_s
+  /// less that of the step behind the wave, or where displacements are sums, less lambda_{s+1}. Sets `forces`
+  /// to the equation of each step, where displacements are sums less that of the next one, which holds behind
+  /// the wave. Adds derivatives to `to`, unless it is null. Uses `records`.
+  void run_back(const PlasticWave& wave, std::size_t batch, const double* displacements,
+                const double* adjoint, PlasticPoint start, double* forces, PlasticDual& dual,
+                const ProcessDerivatives* to, Records& records) const;
 
  private:
-  const ElasticModel<3>& model_;
-  MaterialCurves curves_;
-  double yield_, hardening_;
+  ModeLanes increment(const PlasticWave& wave, int step, const double* displacements) const;
+  ModeLanes adjoint_difference(const PlasticWave& wave, int step, const double* adjoint) const;
+  void step_back(Record& own, const ModeLanes& difference, PlasticDual& dual) const;
+  PlasticStepDerivatives derivatives(const Record& own, const PlasticDual& behind) const;
+
+  IsotropicStiffness elastic_;
+  const ElementModes& modes_;
+  const PlasticMaterial& material_;
+  bool accumulated_;
+};
+
+struct PlasticHistory::Record {
+  PlasticStep step;
+  PlasticReturn returned;
+  ModeLanes displacement;  ///< increment
+  PlasticPoint before;
+  PlasticLanes plastic_strain;  ///< behind it
+  // Adjoint.
+  Voigt dual;            ///< tau^
+  Amplitudes hourglass;  ///< eta
+  PlasticLanes a, c;
+  PlasticLanes ratio;  ///< dJ/dphi
 };
 
 }  // namespace fabseq

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "fabseq/parallel/step_transpose.h"
 #include "fabseq/process/release.h"
 #include "fabseq/process/step_systems.h"
-#include "process/plastic_fields.h"
+#include "process/plastic_batches.h"
+#include "process/plastic_exchange.h"
 #include "process/plastic_history.h"
+#include "process/plastic_iteration.h"
+#include "process/plastic_material.h"
 
 #include <cstddef>
 #include <span>
@@ -13,65 +15,66 @@
 
 namespace fabseq {
 
-/// The displacements of all steps of a plastic process, and the sweeps that improve them (docs/formulation.md
-/// 16). The unknowns are, of this group's blocks, the increments of the steps; where the modulus follows
-/// the temperature, their sums up to the step; and the displacement of the release, if there is one.
-/// Collective on the world of the groups.
-class PlasticSweeps : public StepLoads {
+/// What a process leaves in the model's elements: stress for unit Young's modulus, [element][Voigt], and
+/// equivalent plastic strain.
+struct PlasticState {
+  std::vector<double> stress, plastic_strain;
+};
+
+/// The displacements of all steps of a plastic process, found wave by wave (docs/formulation.md 16). The
+/// unknowns of a wave are, of this group's block, the increments of the steps; where the modulus follows the
+/// temperature, their sums from the wave's first step on. Collective on the world of the groups.
+class PlasticSweeps {
  public:
-  /// `release`: nullptr: there is none. References must outlive the object.
-  PlasticSweeps(StepSystems<3>& systems, Release<3>* release, const LayerDensities& densities,
-                const StrainSource<3>& strains, const StepTemperatures* temperatures);
+  /// `systems` have been dealt out in turn. `release`: nullptr: there is none. References must outlive the
+  /// object.
+  PlasticSweeps(StepSystems<3>& systems, Release<3>* release, const PlasticInput& input);
+  PlasticSweeps(const PlasticSweeps&) = delete;  // members refer to members
+  PlasticSweeps& operator=(const PlasticSweeps&) = delete;
 
-  /// Iterates until a sweep changes the displacements by less than this share of them. Returns the number of
-  /// sweeps. Throws NumericalError if there would be too many.
-  int run(double tolerance);
+  /// Begins with the unknowns of other sweeps, if these have as many.
+  void start_from(const PlasticSweeps& other);
+  /// Iterates all waves. Returns the number of sweeps of each step. Throws NumericalError if there would be
+  /// too many.
+  std::vector<int> run(const PlasticStop& stop);
 
-  /// Increments of the steps of this group's blocks, on all owned nodes.
+  /// Increments of the steps of this group's blocks, on the model's nodes.
   std::vector<LaneVector> increments() const;
   /// Displacement of the release, [owned node][component]; empty: there is none.
   std::vector<double> release() const;
-  /// Stress and plastic strain of this rank's share of the elements (StepTranspose).
-  const PlasticState& built() const { return output_.built; }
-  const PlasticState& released() const { return output_.released; }
+  PlasticState built() const { return state(starts_[step_waves()]); }
+  PlasticState released() const { return state(starts_.back()); }
 
-  // What adjoints need of a state that has been found.
+  // What adjoints need.
   const PlasticInput& input() const { return input_; }
-  const PlasticFields& fields() const { return fields_; }
+  const std::vector<PlasticWave>& waves() const { return waves_; }
+  const LaneVector& unknowns(std::size_t wave) const { return unknowns_[wave]; }
+  /// States of the batches before a wave.
+  const std::vector<PlasticPoint>& start(std::size_t wave) const { return starts_[wave]; }
+  const PlasticExchange& exchange() const { return exchange_; }
   const PlasticHistory& history() const { return history_; }
-  const StepTranspose& elements() const { return elements_; }
-  const std::vector<std::size_t>& first() const { return first_; }
-  /// Displacements of this rank's share of the elements.
-  PlasticHistory::Displacements displacements() const;
-  /// Weights of the unknowns in products: the diagonal of the steps' stiffness, about.
-  std::vector<double> product_weights() const;
-  /// Scales the stiffness of a block by the modulus, where it follows the temperature.
-  ScaleStiffness stiffness_scale() const;
-
-  std::size_t begin(std::size_t block) override;
-  void set(std::size_t block, std::size_t side, LaneVector& load) override;
-  void take(std::size_t block, std::size_t side, LaneVector& solution) override;
+  PlasticIteration& iteration() { return iteration_; }
+  /// Makes a wave the current one of material and systems.
+  void set_wave(std::size_t wave, bool changed);
+  const LayerGroups& groups() const { return systems_.groups(); }
 
  private:
-  bool accumulated() const { return input_.temperatures != nullptr; }
-  LaneVector of_block(std::size_t block) const;
-  void find_histories();
-  /// Sets the step of the sweep that follows from them.
-  void find_step(bool first);
-  void scale(const BlockRegion& block, std::span<double> stiffness) const;
+  std::size_t step_waves() const { return waves_.size() - (waves_.back().release ? 1 : 0); }
+  void find_forces(std::size_t wave, const LaneVector& unknowns, LaneVector& forces) const;
+  /// Sets the states behind a wave.
+  void advance(std::size_t wave);
+  PlasticState state(const std::vector<PlasticPoint>& points) const;
 
   StepSystems<3>& systems_;
-  Release<3>* release_;
   PlasticInput input_;
-  PlasticFields fields_;
+  PlasticBatches batches_;
+  PlasticExchange exchange_;
+  PlasticMaterial material_;
   PlasticHistory history_;
-  StepTranspose elements_;
-  std::vector<std::size_t> first_;  ///< entry of each block in the unknowns, and of the release
-  std::vector<double> unknowns_, step_;
-  std::vector<double> histories_, of_release_;  ///< displacements of the share, as ElementModes
-  PlasticHistory::Output output_;
-  std::vector<LaneVector> forces_;    ///< of this group's blocks
-  std::vector<double> force_at_end_;  ///< on all owned nodes
+  PlasticIteration iteration_;
+  std::vector<PlasticWave> waves_;
+  std::vector<LaneVector> unknowns_;               ///< of each wave
+  std::vector<std::vector<PlasticPoint>> starts_;  ///< before each wave, and behind the last one, by batch
 };
 
 }  // namespace fabseq

@@ -51,9 +51,25 @@ std::vector<double> StepSystems<Dim>::work_of(const LayerDensities& densities) c
 template <int Dim>
 void StepSystems<Dim>::deal_out(const LayerDensities& densities, std::vector<BuildStep> steps) {
   steps_ = std::move(steps);
-  std::vector<int> layers;
-  for (const BuildStep& step : steps_) layers.push_back(step.layer);
-  deal_ = deal_out_steps(work_of(densities), groups_.count(), lanes_, block_solver_, layers);
+  set_deal(deal_out_steps(work_of(densities), groups_.count(), lanes_, block_solver_, layers_of_steps()));
+}
+
+template <int Dim>
+void StepSystems<Dim>::deal_out_in_turn(std::vector<BuildStep> steps) {
+  steps_ = std::move(steps);
+  set_deal(fabseq::deal_out_in_turn(steps_.size(), groups_.count(), lanes_, layers_of_steps()));
+}
+
+template <int Dim>
+std::vector<int> StepSystems<Dim>::layers_of_steps() const {
+  std::vector<int> result;
+  for (const BuildStep& step : steps_) result.push_back(step.layer);
+  return result;
+}
+
+template <int Dim>
+void StepSystems<Dim>::set_deal(StepDeal deal) {
+  deal_ = std::move(deal);
   blocks_.clear();
   for (const StepBlock& block : deal_.blocks[groups_.index()]) {
     const auto own = std::span(steps_).subspan(block.first, block.lanes);
@@ -95,10 +111,7 @@ void StepSystems<Dim>::solve_block(const LayerDensities& densities, std::size_t 
   if (built_ && purpose == SolvePurpose::forward) region = built_->of(densities, region.block, region.steps);
   const std::size_t all = loads.begin(block);
   if (all == 0) return;
-  std::vector<double> stiffness = elements_.stiffness(densities, region);
-  if (scale) scale(region, stiffness);
-  solver_->set_operators(region.block.first, region.block.lanes, stiffness,
-                         /*changed=*/purpose == SolvePurpose::forward);
+  set_operators(densities, block, /*changed=*/purpose == SolvePurpose::forward, scale);
   const std::size_t at_once = std::min(all, solver_->sets_at_once());
   workspace.loads.resize(at_once);
   workspace.solutions.resize(at_once);
@@ -117,6 +130,24 @@ void StepSystems<Dim>::solve_block(const LayerDensities& densities, std::size_t 
     }
   }
   loads.end(block);
+}
+
+template <int Dim>
+void StepSystems<Dim>::set_operators(const LayerDensities& densities, std::size_t block, bool changed,
+                                     const ScaleStiffness& scale) {
+  const BlockRegion& region = blocks_[block];
+  std::vector<double> stiffness = elements_.stiffness(densities, region);
+  if (scale) scale(region, stiffness);
+  solver_->set_operators(region.block.first, region.block.lanes, stiffness, changed);
+}
+
+template <int Dim>
+void StepSystems<Dim>::solve_current(std::size_t block, const LaneVector& load, LaneVector& solution,
+                                     const char* what) {
+  const BlockRegion& region = blocks_[block];
+  resize(solution, owned_nodes(), Dim, region.block.lanes);
+  const auto reports = solver_->solve({&load, 1}, {&solution, 1});
+  SolveCount(steps_.size()).add(reports.front(), region, what);
 }
 
 FABSEQ_INSTANTIATE_CLASS(StepSystems);

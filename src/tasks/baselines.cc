@@ -31,6 +31,7 @@ SequenceReport simulated(const Setup<Dim>& setup, const Problem<Dim>& problem, P
                          const LayerModel<Dim>& layers, PhaseTimer& timer) {
   Pipeline<Dim> pipeline(setup, std::make_unique<GivenSequence<Dim>>(std::move(time)), layers,
                          setup.config.solver.finest_tolerance(), timer);
+  pipeline.set_tolerances(Tolerances::all(setup.config.solver.tolerance_of_reports()));
   return report_sequence(setup, problem, pipeline, pipeline.run({}, 0.0, true));
 }
 

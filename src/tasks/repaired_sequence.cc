@@ -37,6 +37,7 @@ std::optional<RepairedSequence<Dim>> repair_sequence(const Setup<Dim>& setup, co
   auto mended =
       std::make_unique<Pipeline<Dim>>(setup, std::make_unique<GivenSequence<Dim>>(std::move(repaired->time)),
                                       *setup.layers, setup.config.solver.finest_tolerance(), timer);
+  mended->set_tolerances(pipeline.tolerances());
   const auto state = mended->run(layers_alone, beta, true);
   SequenceReport binary = report_sequence(setup, problem, *mended, state);
   RepairedSequence<Dim> result{std::move(mended), state, std::move(layers_alone), std::move(binary),

@@ -122,6 +122,23 @@ TEST(StepDealingTest, BlocksHaveWholeLayers) {
 }
 
 /// Lanes leave a block when half of them are done: its time is not that of eight times the slowest.
+TEST(StepDealingTest, BlocksInTurnFollowEachOther) {
+  const std::vector<int> layers = {0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 5};
+  const StepDeal deal = deal_out_in_turn(layers.size(), 2, 4, layers);
+  ASSERT_EQ(deal.blocks.size(), 2u);
+  int next = 0;
+  for (std::size_t wave = 0; wave < deal.blocks[0].size(); ++wave)
+    for (const auto& blocks : deal.blocks) {
+      if (wave >= blocks.size()) continue;
+      EXPECT_EQ(blocks[wave].first, next);
+      EXPECT_LE(blocks[wave].lanes, 4);
+      next += blocks[wave].lanes;
+    }
+  EXPECT_EQ(next, static_cast<int>(layers.size()));
+  EXPECT_EQ(deal.blocks[0][0].lanes, 4);
+  EXPECT_EQ(deal.blocks[1].back().lanes, 3);  // a layer stays whole
+}
+
 TEST(StepDealingTest, WorkOfABlockFollowsTheLanesLeft) {
   const auto work = [](std::vector<double> layers) { return block_work(layers, BlockSolver::lanes); };
   const double eight = work(std::vector<double>(8, 1.0)), four = work({1, 1, 1, 1}), two = work({1, 1}),

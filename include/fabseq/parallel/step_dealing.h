@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -39,5 +40,9 @@ struct StepDeal {
 /// so all ranks get the same one. Not collective.
 StepDeal deal_out_steps(std::span<const double> work, int groups, int widest, BlockSolver solver,
                         std::span<const int> layers = {});
+
+/// Deals consecutive blocks out to the groups in turn, the first to the first group: of those with the same
+/// number in their groups, each waits for none but those before it. Blocks are as above. Not collective.
+StepDeal deal_out_in_turn(std::size_t steps, int groups, int widest, std::span<const int> layers = {});
 
 }  // namespace fabseq

@@ -12,14 +12,15 @@ namespace fabseq {
 
 class PlasticAdjoint;
 class PlasticSweeps;
-struct PlasticDerivatives;
 
 /// The layer-by-layer simulation of a material that flows, and whose modulus, yield stress and length follow
-/// the temperature (docs/formulation.md 16). All steps are solved at once: each sweep finds the history of
-/// every element, and corrects the displacements of all steps by elastic solves, which Anderson's method
-/// accelerates (PlasticSweeps). The release, which ends every simulation that has one, may flow as well.
+/// the temperature (docs/formulation.md 16). Many steps are solved at once: each sweep finds the history of
+/// every element, and corrects the displacements of eight steps of each group by elastic solves, which
+/// Anderson's method accelerates (PlasticSweeps). The release, which ends every simulation that has one, may
+/// flow as well.
 ///
-/// Layer groups share the steps when they solve, and the elements when they find histories (StepTranspose).
+/// Layer groups share the steps when they solve, and the elements when they find histories (PlasticExchange).
+/// A simulation begins from the displacements of the last one.
 class PlasticProcess : public Process<3> {
  public:
   /// The material must have a yield stress.
@@ -38,22 +39,23 @@ class PlasticProcess : public Process<3> {
   }
   LockedIn locked_in(const LayerDensities&) const override { return built_; }
   LockedIn released(LockedIn, std::span<const double>) const override { return released_; }
-  void set_tolerance(const SolveTolerance& tolerance) override { tolerance_ = tolerance.value; }
+  void set_tolerance(const SolveTolerance& tolerance) override { tolerance_ = tolerance; }
+  void release_memory() override;
+  /// Later simulations begin from zero displacements.
+  void start_cold() override;
   std::string description() const override;
   /// Sweeps of the last simulation. Local.
   int sweeps() const { return sweeps_; }
 
  private:
-  /// What this rank's share of the elements has, on all owned elements.
-  LockedIn gathered(const std::vector<double>& stress, const std::vector<double>& plastic_strain) const;
-
-  void add_derivatives(const LayerDensities& densities, const PlasticAdjoint& adjoint,
-                       const ProcessAdjoint& functional, const ProcessDerivatives& to) const;
-
-  void add_temperatures(const PlasticDerivatives& found, std::vector<std::vector<double>>& to) const;
+  void add_weight_derivatives(const LayerDensities& densities, const ProcessAdjoint& functional,
+                              const ProcessDerivatives& to) const;
+  void keep_adjoints(std::size_t functionals);
 
   std::unique_ptr<PlasticSweeps> forward_;  ///< that have found the last result
-  double tolerance_ = 1e-6;
+  std::vector<std::vector<LaneVector>>
+      adjoints_;  ///< of the last functionals, [functional][wave]; empty: not kept
+  SolveTolerance tolerance_;
   int sweeps_ = 0;
   LockedIn built_, released_;
 };

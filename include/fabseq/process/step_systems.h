@@ -61,6 +61,8 @@ class StepSystems {
   void leave_out_unbuilt(bool built);
   /// Deals the steps out to the groups. The elements that count in a block are found when it is solved first.
   void deal_out(const LayerDensities& densities, std::vector<BuildStep> steps);
+  /// The same by deal_out_in_turn().
+  void deal_out_in_turn(std::vector<BuildStep> steps);
   const std::vector<BuildStep>& steps() const { return steps_; }
   const StepDeal& deal() const { return deal_; }
   /// The blocks of this group. Local.
@@ -83,6 +85,14 @@ class StepSystems {
   /// `scale`: changes the stiffness that follows from the densities, if given.
   std::vector<int> solve(const LayerDensities& densities, SolvePurpose purpose, StepLoads& loads,
                          const ScaleStiffness& scale = {});
+  /// Makes the systems of a block of this group the current ones. `changed`: whether they may differ from
+  /// those that were last set for these steps. Collective on the grid's communicator.
+  void set_operators(const LayerDensities& densities, std::size_t block, bool changed,
+                     const ScaleStiffness& scale);
+  /// Solves the current systems, those of `block`, for one right-hand side. Throws NumericalError naming the
+  /// layer if a system does not converge, as a solve of the kind `what`. Collective on the grid's
+  /// communicator.
+  void solve_current(std::size_t block, const LaneVector& load, LaneVector& solution, const char* what);
   /// Later systems are solved to this tolerance.
   void set_tolerance(const SolveTolerance& tolerance) { solver_->set_tolerance(tolerance); }
   /// Forgets what earlier solves have left in the solver for later ones (ElasticitySolver::start_cold()).
@@ -106,6 +116,8 @@ class StepSystems {
   void solve_block(const LayerDensities& densities, std::size_t block, SolvePurpose purpose, StepLoads& loads,
                    const ScaleStiffness& scale, Workspace& workspace);
   std::vector<double> work_of(const LayerDensities& densities) const;
+  void set_deal(StepDeal deal);
+  std::vector<int> layers_of_steps() const;
 
   const ElasticModel<Dim>& model_;
   const LayerGroups& groups_;

@@ -10,6 +10,12 @@ struct SolveTolerance {
   double value = 1e-6;  ///< preconditioned residual, docs/formulation.md 4.1
   /// LaneStop::reach. The reference path stops at the value.
   double reach = 1.0;
+  /// Change of the displacements, relative to them, with which the sweeps of plastic flow end; 0: a tenth of
+  /// the value.
+  double flow = 0.0;
+
+  /// Not below what rounding leaves.
+  double flow_change() const { return flow > 0.0 ? flow : std::max(0.1 * value, 1e-11); }
 };
 
 /// Conjugate gradients stop making progress below this.
@@ -19,7 +25,7 @@ constexpr double smallest_tolerance = 1e-13;
 /// equation itself is solved a thousand times closer: its error enters all others. The steps of the part's
 /// temperature and their adjoints are solved ten times closer: many follow each other.
 constexpr SolveTolerance elasticity_tolerance(const SolveTolerance& of_run) {
-  return {std::max(of_run.value, smallest_tolerance), of_run.reach};
+  return {std::max(of_run.value, smallest_tolerance), of_run.reach, of_run.flow};
 }
 constexpr SolveTolerance sequence_tolerance(const SolveTolerance& of_run) {
   return {std::max(1e-3 * of_run.value, smallest_tolerance), of_run.reach};

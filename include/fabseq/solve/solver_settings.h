@@ -40,6 +40,10 @@ struct SolverSettings {
   }
   /// The tolerance of all solves but those on an optimization's way.
   double finest_tolerance() const { return tolerance.value_or(finest_automatic); }
+  /// The same of what an optimization reports, where displacements of plastic flow may change by 1e-5 yet.
+  SolveTolerance tolerance_of_reports() const {
+    return {finest_tolerance(), 1.0, std::max(1e-5, SolveTolerance{finest_tolerance()}.flow_change())};
+  }
 };
 
 /// How closely systems are solved in an iteration: those of the design's values, the adjoint ones of its

@@ -20,8 +20,8 @@ struct TemperatureAdjoint {
   std::span<const double> interpass;  ///< dJ/dB_j, [layer], the same on all ranks of the grid
   /// dJ/dtheta at the end of deposition and of the pause, [layer][these two][owned node]; empty: zero.
   std::span<const double> ends;
-  DensityDerivatives* densities;      ///< to which its derivatives are added
-  DensitySink* sink;                  ///< takes them after each layer; nullptr: they stay there
+  DensityDerivatives* densities;  ///< to which its derivatives are added
+  DensitySink* sink;              ///< takes them after each layer; nullptr: they stay there
 };
 
 /// The pauses that an interpass temperature asks for.

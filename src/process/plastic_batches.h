@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "fabseq/parallel/layer_groups.h"
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace fabseq {
+
+/// This rank's share of the model's elements, whose histories it finds, in batches of eight elements.
+/// Elements are gone through in chunks that fit into a cache; the copies of a rank share out each chunk.
+/// Local.
+class PlasticBatches {
+ public:
+  /// A part of the rank's elements: begin .. end - 1, and of these its share, first .. first + count - 1,
+  /// whose batches begin with `batch`.
+  struct Chunk {
+    std::size_t begin, end, first, count, batch;
+    std::size_t batches() const;
+  };
+
+  /// `elements`: those of the model, the same on all copies of the rank.
+  PlasticBatches(const LayerGroups& groups, std::size_t elements);
+
+  const std::vector<Chunk>& chunks() const { return chunks_; }
+  std::size_t count() const { return elements_.size(); }
+  std::size_t elements() const { return all_elements_; }
+  /// The elements of a batch: as many as it has.
+  std::span<const int> batch(std::size_t number) const { return elements_[number]; }
+
+ private:
+  std::size_t all_elements_;
+  std::vector<Chunk> chunks_;
+  std::vector<std::vector<int>> elements_;
+};
+
+}  // namespace fabseq

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: MIT
+#include "process/plastic_iteration.h"
+
+#include "fabseq/base/error.h"
+#include "fabseq/base/formatted.h"
+#include "process/anderson.h"
+
+#include <algorithm>
+
+namespace fabseq {
+
+namespace {
+
+constexpr std::size_t depth = 5;  ///< of Anderson's method
+/// Tolerance of the solves of a sweep, relative to their load.
+constexpr double of_corrections = 0.3;
+/// Share of the largest wave's unknowns to which those of the others are found.
+constexpr double least_share = 1e-2;
+
+}  // namespace
+
+void PlasticIteration::set_wave(const PlasticWave& wave, bool changed) {
+  wave_ = wave;
+  systems_.set_tolerance({of_corrections});
+  if (release_ != nullptr) release_->set_tolerance(of_corrections);
+  systems_.groups().run([&] {
+    if (wave_.block)
+      systems_.set_operators(
+          input_.densities, *wave_.block, changed,
+          [this](const BlockRegion& block, std::span<double> stiffness) { scale(block, stiffness); });
+    set_weights();
+  });
+}
+
+void PlasticIteration::scale(const BlockRegion& block, std::span<double> stiffness) const {
+  if (!input_.heated()) return;
+  const int lanes = block.block.lanes;
+  for (int lane = 0; lane < lanes; ++lane) {
+    const std::vector<double>& temperature = input_.temperatures->elements[block.block.first + lane];
+    for (std::size_t e = 0; e < temperature.size(); ++e)
+      stiffness[e * lanes + lane] *= curves_.young(temperature[e]);
+  }
+}
+
+void PlasticIteration::set_weights() {
+  const std::vector<int>& nodes = systems_.model().nodes;
+  const int lanes = wave_.lanes(systems_.groups().index());
+  weights_.resize(nodes.size() * 3 * lanes);
+  if (lanes == 0) return;
+  std::vector<double> stiffness;
+  if (wave_.release) {
+    stiffness = systems_.model().finished_stiffness();
+  } else {
+    const BlockRegion& region = systems_.blocks()[*wave_.block];
+    stiffness = systems_.elements().stiffness(input_.densities, region);
+    scale(region, stiffness);
+  }
+  const LaneVector nodal = systems_.elements().at_nodes(stiffness, lanes);
+  auto to = weights_.begin();
+  for (const int node : nodes)
+    for (int a = 0; a < 3; ++a)
+      for (int lane = 0; lane < lanes; ++lane)
+        *to++ = static_cast<float>(nodal(static_cast<std::size_t>(node), lane));
+}
+
+/// Step of the unknowns that forces lead to.
+void PlasticIteration::correct(LaneVector& forces, bool adjoint, LaneVector& step) {
+  const int lanes = wave_.lanes(systems_.groups().index());
+  resize(step, static_cast<int>(systems_.model().nodes.size()), 3, lanes);
+  systems_.groups().run([&] {
+    if (lanes == 0) return;
+    LaneVector all;
+    if (wave_.release) {
+      all = LaneVector(systems_.owned_nodes(), 3, 1);
+      all.values = adjoint ? release_->adjoint(forces.values) : release_->displacement(forces.values);
+    } else {
+      for (double& force : forces.values) force = -force;
+      systems_.solve_current(*wave_.block, forces, all, adjoint ? "adjoint" : "forward");
+    }
+    pick(all, systems_.model().nodes, step);
+  });
+}
+
+int PlasticIteration::solve(LaneVector& unknowns, const Forces& forces, bool adjoint,
+                            const PlasticStop& stop) {
+  Anderson anderson(systems_.groups().world(), depth, weights_);
+  LaneVector left, step;
+  for (int sweep = 1; sweep <= stop.most; ++sweep) {
+    forces(unknowns, left);
+    correct(left, adjoint, step);
+    const Anderson::Norms norms = anderson.advance(unknowns.values, step.values);
+    largest_ = std::max(largest_, norms.x);
+    if (norms.step <= stop.change * std::max(norms.x, least_share * largest_)) return sweep;
+  }
+  throw NumericalError(formatted(
+      "%s: %s still change by more than %g of them after %d sweeps", wave_.release ? "release" : "process",
+      adjoint ? "its adjoint displacements" : "displacements", stop.change, stop.most));
+}
+
+}  // namespace fabseq

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "fabseq/kernels/lane_vector.h"
+#include "fabseq/process/release.h"
+#include "fabseq/process/step_systems.h"
+#include "process/plastic_material.h"
+#include "process/plastic_wave.h"
+
+#include <functional>
+#include <vector>
+
+namespace fabseq {
+
+/// End of sweeps.
+struct PlasticStop {
+  double change = 1e-7;  ///< of the unknowns in a sweep, relative to them
+  int most = 300;        ///< sweeps of a wave
+};
+
+/// Sweeps over a wave until its unknowns hardly change: forces that are left in the steps, found with the
+/// plastic history of all elements, are taken to corrections by elastic solves, which Anderson's method
+/// combines. Collective on the world of the groups.
+class PlasticIteration {
+ public:
+  /// `release`: nullptr: there is none. All arguments must outlive the object.
+  PlasticIteration(StepSystems<3>& systems, Release<3>* release, const PlasticInput& input,
+                   const MaterialCurves& curves)
+      : systems_(systems), release_(release), input_(input), curves_(curves) {}
+
+  /// Prepares a wave. `changed`: whether its systems may be others than when it was last set.
+  void set_wave(const PlasticWave& wave, bool changed);
+  /// Finds the forces that unknowns leave, on all owned nodes; unknowns are on the model's nodes, of this
+  /// group's steps.
+  using Forces = std::function<void(const LaneVector& unknowns, LaneVector& forces)>;
+  /// Improves the unknowns; returns the number of sweeps. `adjoint`: whether they are adjoint displacements.
+  /// Throws NumericalError if there would be too many.
+  int solve(LaneVector& unknowns, const Forces& forces, bool adjoint, const PlasticStop& stop);
+  /// The size of later waves' unknowns counts from here on: a wave that hardly moves need not be solved to a
+  /// share of its own displacements.
+  void forget_sizes() { largest_ = 0.0; }
+
+ private:
+  void set_weights();
+  void scale(const BlockRegion& block, std::span<double> stiffness) const;
+  void correct(LaneVector& forces, bool adjoint, LaneVector& step);
+
+  StepSystems<3>& systems_;
+  Release<3>* release_;
+  const PlasticInput& input_;
+  const MaterialCurves& curves_;
+  PlasticWave wave_;
+  std::vector<float> weights_;  ///< of the unknowns in products: the diagonal of the stiffness, about
+  double largest_ = 0.0;        ///< norm of a wave's unknowns
+};
+
+}  // namespace fabseq
