@@ -42,11 +42,13 @@ PlasticProcess::PlasticProcess(const ElasticModel<3>& model, std::unique_ptr<Ela
 const ProcessResult& PlasticProcess::simulate(const ProcessInput<3>& input) {
   strains_ = &input.strains;
   systems_.deal_out_in_turn(input.steps);
-  const auto before = std::move(forward_);
+  std::vector<LaneVector> before;
+  if (forward_) before = forward_->take_unknowns();
+  forward_.reset();
   forward_ = std::make_unique<PlasticSweeps>(
       systems_, release_.get(),
       PlasticInput{input.densities, systems_.steps(), input.temperatures, input.strains});
-  if (before) forward_->start_from(*before);
+  forward_->start_from(std::move(before));
   result_.iterations = forward_->run({.change = tolerance_.flow_change()});
   sweeps_ = *std::ranges::max_element(result_.iterations);
   set_steps(systems_, result_);

@@ -30,13 +30,9 @@ PlasticSweeps::PlasticSweeps(StepSystems<3>& systems, Release<3>* release, const
   starts_.front() = material_.start();
 }
 
-void PlasticSweeps::start_from(const PlasticSweeps& other) {
-  const auto lanes = [](const std::vector<LaneVector>& unknowns) {
-    std::vector<int> result;
-    for (const LaneVector& wave : unknowns) result.push_back(wave.lanes);
-    return result;
-  };
-  if (lanes(unknowns_) == lanes(other.unknowns_)) unknowns_ = other.unknowns_;
+void PlasticSweeps::start_from(std::vector<LaneVector> unknowns) {
+  const auto as_many = [](const LaneVector& a, const LaneVector& b) { return a.lanes == b.lanes; };
+  if (std::ranges::equal(unknowns_, unknowns, as_many)) unknowns_ = std::move(unknowns);
 }
 
 void PlasticSweeps::set_wave(std::size_t wave, bool changed) {

@@ -11,6 +11,7 @@
 
 #include <cstddef>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace fabseq {
@@ -32,8 +33,10 @@ class PlasticSweeps {
   PlasticSweeps(const PlasticSweeps&) = delete;  // members refer to members
   PlasticSweeps& operator=(const PlasticSweeps&) = delete;
 
+  /// Gives the unknowns of all waves away.
+  std::vector<LaneVector> take_unknowns() { return std::move(unknowns_); }
   /// Begins with the unknowns of other sweeps, if these have as many.
-  void start_from(const PlasticSweeps& other);
+  void start_from(std::vector<LaneVector> unknowns);
   /// Iterates all waves. Returns the number of sweeps of each step. Throws NumericalError if there would be
   /// too many.
   std::vector<int> run(const PlasticStop& stop);
