@@ -4,6 +4,7 @@
 #include "fabseq/parallel/step_transpose.h"
 #include "process/plastic_point.h"
 
+#include <algorithm>
 #include <cstddef>
 
 namespace fabseq {
@@ -33,27 +34,26 @@ void PlasticExchange::run(const PlasticWave& wave, std::span<const LaneVector* c
   const Grid<3>& grid = model_.part.grid();
   const int lanes = wave.lanes(groups_.index());
   const bool alone = groups_.count() == 1;
-  std::vector<std::vector<double>> ghosted;
-  for (const LaneVector* field : fields) {
-    ghosted.emplace_back();
-    if (lanes == 0) continue;
-    LaneVector all;
-    spread(*field, model_.nodes, static_cast<int>(grid.owned_nodes().count()), all);
-    ghosted.back() = grid.exchange(3 * lanes).ghosted(all.values);
+  const std::size_t ghosted_size = static_cast<std::size_t>(grid.ghosted_nodes().count()) * 3 * lanes;
+  ghosted_.resize(fields.size());
+  for (std::size_t k = 0; lanes > 0 && k < fields.size(); ++k) {
+    spread(*fields[k], model_.nodes, static_cast<int>(grid.owned_nodes().count()), all_);
+    ghosted_[k].resize(ghosted_size);
+    grid.exchange(3 * lanes).to_ghosted(all_.values, ghosted_[k]);
   }
-  std::vector<double> ghosted_forces;
-  if (forces != nullptr)
-    ghosted_forces.resize(static_cast<std::size_t>(grid.ghosted_nodes().count()) * 3 * lanes, 0.0);
-  std::vector<std::vector<double>> blocks(lanes > 0 ? 1 : 0), histories(fields.size());
-  std::vector<double> of_work;
+  if (forces != nullptr) ghosted_forces_.assign(ghosted_size, 0.0);
+  std::vector<std::vector<double>> blocks(lanes > 0 ? 1 : 0);
+  histories_.resize(fields.size());
   for (const PlasticBatches::Chunk& chunk : batches_.chunks()) {
     const StepTranspose transpose(groups_, wave.deal, chunk.end - chunk.begin, components);
     const std::size_t size = chunk.batches() * wave.count * components * plastic_width;
     for (std::size_t k = 0; k < fields.size(); ++k) {
-      if (lanes > 0) set_modes(chunk, ghosted[k], lanes, blocks.front());
-      histories[k].assign(size, 0.0);
+      if (lanes > 0) set_modes(chunk, ghosted_[k], lanes, blocks.front());
+      histories_[k].resize(size);
+      // Elements that are not there do not move.
+      if (chunk.count % plastic_width != 0) std::ranges::fill(histories_[k], 0.0);
       const auto copy = [&](const std::vector<double>& values) {
-        return [&values, &to = histories[k]](std::size_t from, std::size_t at) { to[at] = values[from]; };
+        return [&values, &to = histories_[k]](std::size_t from, std::size_t at) { to[at] = values[from]; };
       };
       if (alone)
         for_each_place(chunk.count, lanes, components * lanes, lanes, 1, copy(blocks.front()));
@@ -61,23 +61,23 @@ void PlasticExchange::run(const PlasticWave& wave, std::span<const LaneVector* c
         for_each_place(chunk.count, wave.count, components * wave.count, 1, components,
                        copy(transpose.to_histories(blocks)));
     }
-    if (forces != nullptr) of_work.resize(size);
-    work(chunk, histories, of_work);
+    if (forces != nullptr) forces_of_chunk_.resize(size);
+    work(chunk, histories_, forces_of_chunk_);
     if (forces == nullptr) continue;
-    std::vector<double> values(chunk.count * wave.count * components);
-    const auto copy = [&](std::size_t to, std::size_t from) { values[to] = of_work[from]; };
+    values_.resize(chunk.count * wave.count * components);
+    const auto copy = [this](std::size_t to, std::size_t from) { values_[to] = forces_of_chunk_[from]; };
     if (alone) {
       for_each_place(chunk.count, lanes, components * lanes, lanes, 1, copy);
-      add_forces(chunk, values, lanes, ghosted_forces);
+      add_forces(chunk, values_, lanes, ghosted_forces_);
     } else {
       for_each_place(chunk.count, wave.count, components * wave.count, 1, components, copy);
-      const auto own = transpose.to_blocks(values);
-      if (lanes > 0) add_forces(chunk, own.front(), lanes, ghosted_forces);
+      const auto own = transpose.to_blocks(values_);
+      if (lanes > 0) add_forces(chunk, own.front(), lanes, ghosted_forces_);
     }
   }
   if (forces == nullptr || lanes == 0) return;
   resize(*forces, static_cast<int>(grid.owned_nodes().count()), 3, lanes);
-  grid.exchange(3 * lanes).add_to_owned(ghosted_forces, forces->values);
+  grid.exchange(3 * lanes).add_to_owned(ghosted_forces_, forces->values);
 }
 
 void PlasticExchange::set_modes(const PlasticBatches::Chunk& chunk, std::span<const double> ghosted,

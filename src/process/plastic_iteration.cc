@@ -69,26 +69,24 @@ void PlasticIteration::correct(LaneVector& forces, bool adjoint, LaneVector& ste
   resize(step, static_cast<int>(systems_.model().nodes.size()), 3, lanes);
   systems_.groups().run([&] {
     if (lanes == 0) return;
-    LaneVector all;
     if (wave_.release) {
-      all = LaneVector(systems_.owned_nodes(), 3, 1);
-      all.values = adjoint ? release_->adjoint(forces.values) : release_->displacement(forces.values);
+      resize(solution_, systems_.owned_nodes(), 3, 1);
+      solution_.values = adjoint ? release_->adjoint(forces.values) : release_->displacement(forces.values);
     } else {
       for (double& force : forces.values) force = -force;
-      systems_.solve_current(*wave_.block, forces, all, adjoint ? "adjoint" : "forward");
+      systems_.solve_current(*wave_.block, forces, solution_, adjoint ? "adjoint" : "forward");
     }
-    pick(all, systems_.model().nodes, step);
+    pick(solution_, systems_.model().nodes, step);
   });
 }
 
 int PlasticIteration::solve(LaneVector& unknowns, const Forces& forces, bool adjoint,
                             const PlasticStop& stop) {
   Anderson anderson(systems_.groups().world(), depth, weights_);
-  LaneVector left, step;
   for (int sweep = 1; sweep <= stop.most; ++sweep) {
-    forces(unknowns, left);
-    correct(left, adjoint, step);
-    const Anderson::Norms norms = anderson.advance(unknowns.values, step.values);
+    forces(unknowns, left_);
+    correct(left_, adjoint, step_);
+    const Anderson::Norms norms = anderson.advance(unknowns.values, step_.values);
     largest_ = std::max(largest_, norms.x);
     if (norms.step <= stop.change * std::max(norms.x, least_share * largest_)) return sweep;
   }

@@ -51,6 +51,7 @@ class PlasticIteration {
   const MaterialCurves& curves_;
   PlasticWave wave_;
   std::vector<float> weights_;  ///< of the unknowns in products: the diagonal of the stiffness, about
+  LaneVector left_, solution_, step_;  ///< scratch
   double largest_ = 0.0;        ///< norm of a wave's unknowns
 };
 
