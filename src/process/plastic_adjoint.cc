@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "process/plastic_adjoint.h"
 
-#include "fabseq/parallel/step_transpose.h"
 #include "fabseq/process/adjoint_loads.h"
 
 #include <algorithm>
@@ -23,10 +22,11 @@ std::vector<int> PlasticAdjoint::run(std::span<const ProcessAdjoint> functionals
   std::vector<std::vector<PlasticDual>> duals(
       functionals.size(),
       std::vector<PlasticDual>(forward_.exchange().batches().count(), PlasticDual::zero()));
-  forward_.iteration().forget_sizes();
+  forward_.iteration().start_over();
   for (std::size_t number = waves.size(); number-- > 0;) {
     const PlasticWave& wave = waves[number];
     forward_.set_wave(number, /*changed=*/false);
+    const LaneVector stiffness = forward_.nodal_stiffness(wave);
     for (std::size_t k = 0; k < functionals.size(); ++k) {
       if (wave.release && functionals[k].release.empty()) continue;
       const LaneVector added = explicit_forces(wave, functionals[k]);
@@ -35,6 +35,7 @@ std::vector<int> PlasticAdjoint::run(std::span<const ProcessAdjoint> functionals
       const auto forces = [&](const LaneVector& adjoint, LaneVector& left) {
         run_back(number, adjoint, duals[k], &left, nullptr, nullptr);
         for (std::size_t i = 0; i < left.values.size(); ++i) left.values[i] += added.values[i];
+        if (wave.block && forward_.input().heated()) subtract_next(stiffness, left);
       };
       const int sweeps = forward_.iteration().solve(own, forces, /*adjoint=*/true, stop);
       if (!wave.release)
@@ -51,8 +52,7 @@ std::vector<int> PlasticAdjoint::run(std::span<const ProcessAdjoint> functionals
 }
 
 LaneVector PlasticAdjoint::explicit_forces(const PlasticWave& wave, const ProcessAdjoint& functional) const {
-  const LayerGroups& groups = forward_.groups();
-  const int lanes = wave.lanes(groups.index());
+  const int lanes = wave.lanes(forward_.groups().index());
   const auto owned = static_cast<int>(result_.displacement.size() / 3);
   LaneVector result(owned, 3, lanes);
   if (wave.release) {
@@ -61,18 +61,18 @@ LaneVector PlasticAdjoint::explicit_forces(const PlasticWave& wave, const Proces
   }
   if (wave.block) set_adjoint_load(functional, result_, *wave.block, result);
   for (double& value : result.values) value = -value;  // loads are negated derivatives
-  if (!forward_.input().heated()) return result;
-  // Less those of the next step.
-  const StepTranspose nodes(groups, wave.deal, static_cast<std::size_t>(owned), 3);
-  std::vector<std::vector<double>> blocks;
-  if (wave.block) blocks.push_back(std::move(result.values));
-  std::vector<double> histories = nodes.to_histories(blocks);
-  for (std::size_t node = 0; node < nodes.elements_of_share(); ++node)
-    for (int i = 0; i < 3 * (wave.count - 1); ++i)
-      histories[node * 3 * wave.count + i] -= histories[node * 3 * wave.count + i + 3];
-  blocks = nodes.to_blocks(histories);
-  if (wave.block) result.values = std::move(blocks.front());
   return result;
+}
+
+/// Takes from the forces of each step those of the next one, which go on to it where material stands in both,
+/// as far as both are of this group: otherwise what is left of a step would act on the void of the one
+/// before.
+void PlasticAdjoint::subtract_next(const LaneVector& stiffness, LaneVector& forces) {
+  for (std::size_t node = 0; node < stiffness.unknowns(); ++node)
+    for (int lane = 0; lane + 1 < stiffness.lanes; ++lane) {
+      const double share = stiffness(node, lane) / stiffness(node, lane + 1);
+      for (std::size_t i = 3 * node; i < 3 * node + 3; ++i) forces(i, lane) -= share * forces(i, lane + 1);
+    }
 }
 
 void PlasticAdjoint::run_back(std::size_t wave, const LaneVector& unknowns,

@@ -30,6 +30,7 @@ class PlasticAdjoint {
  private:
   /// What a functional adds to the equations of a wave.
   LaneVector explicit_forces(const PlasticWave& wave, const ProcessAdjoint& functional) const;
+  static void subtract_next(const LaneVector& stiffness, LaneVector& forces);
   /// Takes `dual` back through a wave: sets `forces`, or adds derivatives.
   void run_back(std::size_t wave, const LaneVector& unknowns, const std::vector<PlasticDual>& dual,
                 LaneVector* forces, std::vector<PlasticDual>* before, const ProcessDerivatives* to);

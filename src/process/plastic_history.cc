@@ -126,7 +126,6 @@ void PlasticHistory::run_back(const PlasticWave& wave, std::size_t batch, const 
     own.returned = advance(elastic_, own.step, own.displacement, point);
     own.plastic_strain = point.plastic_strain;
   }
-  ModeLanes behind;
   for (int s = wave.count; s-- > 0;) {
     Record& own = records[s];
     const PlasticDual behind_step = dual;
@@ -136,9 +135,7 @@ void PlasticHistory::run_back(const PlasticWave& wave, std::size_t batch, const 
     for (int c = 0; c < strain_count; ++c) force[c] = own.returned.young * stress[c];
     for (int k = 0; k < ElementModes::amplitudes; ++k)
       force[strain_count + k] = own.returned.young * own.hourglass[k];
-    if (forces != nullptr)
-      store(accumulated_ && s + 1 < wave.count ? less(force, behind) : force, forces + s * step_size);
-    behind = force;
+    if (forces != nullptr) store(force, forces + s * step_size);
     dual.modulus = own.returned.ratio * own.ratio;
     dual.elongation = own.step.modulus * (stress[0] + stress[1] + stress[2]) * -modes_.volume();
     if (to != nullptr) material_.add_derivatives(batch, s, derivatives(own, behind_step), *to);

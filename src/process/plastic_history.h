@@ -42,9 +42,9 @@ class PlasticHistory {
   struct Record;
   using Records = std::vector<Record>;
   /// Takes adjoints of a batch back through the steps. `start`: the state before them. `adjoint`: lambda_s
-  /// less that of the step behind the wave, or where displacements are sums, less lambda_{s+1}. Sets `forces`
-  /// to the equation of each step, where displacements are sums less that of the next one, which holds behind
-  /// the wave. Adds derivatives to `to`, unless it is null. Uses `records`.
+  /// less that of the step behind the wave, or where displacements are sums, less lambda_{s+1}. Sets
+  /// `forces`, unless it is null, to the equation of each step. Adds derivatives to `to`, unless it is null.
+  /// Uses `records`.
   void run_back(const PlasticWave& wave, std::size_t batch, const double* displacements,
                 const double* adjoint, PlasticPoint start, double* forces, PlasticDual& dual,
                 const ProcessDerivatives* to, Records& records) const;

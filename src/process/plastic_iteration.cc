@@ -6,23 +6,24 @@
 #include "process/anderson.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace fabseq {
 
 namespace {
 
 constexpr std::size_t depth = 5;  ///< of Anderson's method
-/// Tolerance of the solves of a sweep, relative to their load.
-constexpr double of_corrections = 0.3;
-/// Share of the largest wave's unknowns to which those of the others are found.
-constexpr double least_share = 1e-2;
+/// Tolerance of the solves of a sweep, relative to their load, at one temperature and where the modulus
+/// follows it.
+constexpr double of_corrections = 0.3, of_heated_corrections = 0.1;
 
 }  // namespace
 
 void PlasticIteration::set_wave(const PlasticWave& wave, bool changed) {
   wave_ = wave;
-  systems_.set_tolerance({of_corrections});
-  if (release_ != nullptr) release_->set_tolerance(of_corrections);
+  const double tolerance = input_.heated() ? of_heated_corrections : of_corrections;
+  systems_.set_tolerance({tolerance});
+  if (release_ != nullptr) release_->set_tolerance(tolerance);
   systems_.groups().run([&] {
     if (wave_.block)
       systems_.set_operators(
@@ -87,8 +88,10 @@ int PlasticIteration::solve(LaneVector& unknowns, const Forces& forces, bool adj
     forces(unknowns, left_);
     correct(left_, adjoint, step_);
     const Anderson::Norms norms = anderson.advance(unknowns.values, step_.values);
-    largest_ = std::max(largest_, norms.x);
-    if (norms.step <= stop.change * std::max(norms.x, least_share * largest_)) return sweep;
+    const double all_square = square_ + norms.x * norms.x;
+    if (norms.step > stop.change * std::sqrt(all_square)) continue;
+    square_ = all_square;
+    return sweep;
   }
   throw NumericalError(formatted(
       "%s: %s still change by more than %g of them after %d sweeps", wave_.release ? "release" : "process",

@@ -14,7 +14,7 @@ namespace fabseq {
 
 /// End of sweeps.
 struct PlasticStop {
-  double change = 1e-7;  ///< of the unknowns in a sweep, relative to them
+  double change = 1e-7;  ///< of a wave's unknowns in a sweep, relative to those of all waves so far
   int most = 300;        ///< sweeps of a wave
 };
 
@@ -36,9 +36,8 @@ class PlasticIteration {
   /// Improves the unknowns; returns the number of sweeps. `adjoint`: whether they are adjoint displacements.
   /// Throws NumericalError if there would be too many.
   int solve(LaneVector& unknowns, const Forces& forces, bool adjoint, const PlasticStop& stop);
-  /// The size of later waves' unknowns counts from here on: a wave that hardly moves need not be solved to a
-  /// share of its own displacements.
-  void forget_sizes() { largest_ = 0.0; }
+  /// Begins with the first wave: changes are relative to all unknowns from here on.
+  void start_over() { square_ = 0.0; }
 
  private:
   void set_weights();
@@ -50,9 +49,9 @@ class PlasticIteration {
   const PlasticInput& input_;
   const MaterialCurves& curves_;
   PlasticWave wave_;
-  std::vector<float> weights_;  ///< of the unknowns in products: the diagonal of the stiffness, about
+  std::vector<float> weights_;         ///< of the unknowns in products: the diagonal of the stiffness, about
   LaneVector left_, solution_, step_;  ///< scratch
-  double largest_ = 0.0;        ///< norm of a wave's unknowns
+  double square_ = 0.0;                ///< of the norm of the unknowns of all waves so far
 };
 
 }  // namespace fabseq

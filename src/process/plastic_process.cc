@@ -128,7 +128,7 @@ void PlasticProcess::release_memory() {
 }
 
 std::string PlasticProcess::description() const {
-  return systems_.solver_description() + formatted("; at most %d sweeps of plastic flow", sweeps_);
+  return systems_.solver_description() + "; plastic flow by sweeps";
 }
 
 }  // namespace fabseq

@@ -42,7 +42,7 @@ void PlasticSweeps::set_wave(std::size_t wave, bool changed) {
 
 std::vector<int> PlasticSweeps::run(const PlasticStop& stop) {
   std::vector<int> result(input_.steps.size(), 0);
-  iteration_.forget_sizes();
+  iteration_.start_over();
   for (std::size_t wave = 0; wave < waves_.size(); ++wave) {
     set_wave(wave, /*changed=*/true);
     const auto forces = [&](const LaneVector& unknowns, LaneVector& left) {
@@ -109,6 +109,13 @@ std::vector<double> PlasticSweeps::release() const {
   if (groups().index() == 0) spread(unknowns_.back(), systems_.model().nodes, systems_.owned_nodes(), all);
   groups().broadcast(0, all.values);
   return std::move(all.values);
+}
+
+LaneVector PlasticSweeps::nodal_stiffness(const PlasticWave& wave) const {
+  if (!wave.block || !input_.heated()) return {};
+  const BlockRegion& region = systems_.blocks()[*wave.block];
+  return systems_.elements().at_nodes(systems_.elements().stiffness(input_.densities, region),
+                                      region.block.lanes);
 }
 
 PlasticState PlasticSweeps::state(const std::vector<PlasticPoint>& points) const {
