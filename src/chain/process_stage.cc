@@ -76,6 +76,31 @@ double bytes_of_systems(const RunSize& size, SolverPath path, int groups, int la
   return vectors + of_lane * size.unknowns * lanes * groups;
 }
 
+/// Bytes per element and wave, of its state, and per element and functional, of its dual.
+constexpr double state_bytes = 176.0, dual_bytes = 168.0;
+/// Bytes per unknown and lane that sweeps take: what Anderson's method keeps, and fields with halos.
+constexpr double sweep_bytes = 120.0;
+/// Seconds per unknown and step on one core, with the sweeps of an iteration that begins from the last
+/// design's state: forward and of an adjoint, at one temperature and with those of the layers.
+constexpr double flow_seconds = 2.1e-7, flow_adjoint_seconds = 1.9e-7, heated_seconds = 4.5e-7,
+                 heated_adjoint_seconds = 8.5e-7;
+
+/// Adds what a material that flows takes to the memory of a linear process, and sets its time.
+StageCost with_flow(StageCost cost, const RunSize& size, int groups, int lanes) {
+  const double elements = size.unknowns / size.dimension, steps = size.flow_steps,
+               functionals = 1.0 + size.functionals;
+  const bool heated = size.temperature_steps > 0.0;
+  cost.held *= steps / size.layers;
+  cost.held += size.unknowns * steps * 8.0 * (1.0 + std::min(functionals, 2.0)) +
+               elements * (state_bytes * (steps / widest_block + 2.0) + dual_bytes * functionals);
+  cost.solving += size.unknowns * sweep_bytes * lanes * groups;
+  cost.seconds = size.unknowns * steps *
+                 ((heated ? heated_seconds : flow_seconds) +
+                  functionals * (heated ? heated_adjoint_seconds : flow_adjoint_seconds)) /
+                 size.ranks;
+  return cost;
+}
+
 StageCost cost_of_process(const RunSize& size, SolverPath path, int groups, int lanes) {
   const std::vector<double> equal(size.layers, 1.0);
   const StepDeal deal = deal_out_steps(equal, groups, widest_block, block_solver(path));
@@ -83,12 +108,13 @@ StageCost cost_of_process(const RunSize& size, SolverPath path, int groups, int 
       path == SolverPath::lanes ? lanes_cost.seconds_per_unknown : reference_cost.seconds_per_unknown;
   const double increments =
       size.unknowns * size.layers * 8.0 * (size.cases + 1.0 / static_cast<double>(size.dimension));
-  return {
+  const StageCost cost{
       .held = increments,
       .solving = bytes_of_systems(size, path, groups, lanes),
       .work = deal.longest,
       .work_of_other_groups = deal.total - deal.longest,
       .seconds = (1.0 + size.cases + size.functionals) * size.layers * size.unknowns * seconds / size.ranks};
+  return size.flow_steps > 0 ? with_flow(cost, size, groups, lanes) : cost;
 }
 
 const RegisteredStage<ProcessStage> process_stage{

@@ -38,7 +38,7 @@ int functional_count(const ModelSettings& settings, const ResponseList<Dim>& obj
   for (std::size_t i = 0; i < objective.size(); ++i) {
     const Term& term = settings.objective[i];
     const auto functionals = objective[i]->squares(term.scaling);
-    result += functionals ? functionals->count : 0;
+    result += functionals && takes_squares(settings, *functionals) ? functionals->count : 0;
     if (term.type->facts(term).is_largest) result += static_cast<int>(settings.material.scenarios.size());
   }
   return result;
@@ -66,6 +66,8 @@ RunSize run_size(const ModelSettings& settings, const Part<Dim>& part, const Res
   if (settings.thermal)
     size.temperature_steps =
         layers * ThermalProperties(*settings.thermal, settings.material, settings.process).steps();
+  if (settings.process.model == ProcessModel::elastoplastic)
+    size.flow_steps = settings.thermal ? 2 * layers + 1 : layers;
   size.cases = static_cast<int>(strain_cases<Dim>(settings.material).cases.size());
   size.functionals = functional_count(settings, objective);
   return size;

@@ -4,6 +4,7 @@
 #include "fabseq/base/error.h"
 #include "fabseq/base/formatted.h"
 #include "fabseq/base/session.h"
+#include "fabseq/model/run_size.h"
 #include "fabseq/process/inherent_strain.h"
 #include "fabseq/responses/response_type.h"
 
@@ -48,7 +49,7 @@ Problem<Dim>::Problem(const Model<Dim>& model, double constraint_margin)
                          ? responses_[i]->size()
                          : displacement * displacement);
   add_largest();
-  if (!largest_) add_functionals(model.settings.process.model == ProcessModel::elastoplastic);
+  if (!largest_) add_functionals(model.settings);
 }
 
 /// Bounds of a constraint's components, as far as they have adapted.
@@ -93,11 +94,11 @@ void Problem<Dim>::add_largest() {
 
 /// Terms without weight get none: their rows would have no meaning.
 template <int Dim>
-void Problem<Dim>::add_functionals(bool costs_an_adjoint_each) {
+void Problem<Dim>::add_functionals(const ModelSettings& settings) {
   for (std::size_t i = 0; i < terms_.size(); ++i) {
     if (terms_[i].weight == 0.0) continue;
     auto functionals = responses_[i]->squares(terms_[i].scaling);
-    if (!functionals || (costs_an_adjoint_each && !functionals->asked_for)) continue;
+    if (!functionals || !takes_squares(settings, *functionals)) continue;
     squares_.push_back({i, responses_.size(), functionals->complete, functionals->asked_for});
     responses_.push_back(std::move(functionals->functionals));
     types_.emplace_back("least_squares");

@@ -17,9 +17,17 @@ struct RunSize {
   int cases = 1;                   ///< strains that each layer is solved for
   double solid_nodes = 0.0;        ///< of part and substrate
   double temperature_steps = 0.0;  ///< of heat conduction through all layers; 0 without it
+  int flow_steps = 0;              ///< of the process where the material flows; 0: it does not
   int functionals = 0;  ///< residuals of least squares, scenarios of the worst: each costs an elastic adjoint
   double cores_per_rank = 1.0;  ///< at most 1 (NodeCores::per_rank())
 };
+
+/// Whether the optimizer gets the functionals of a term that is a sum of squares: where the material flows
+/// each costs sweeps of its own, so only those that are asked for.
+template <int Dim>
+bool takes_squares(const ModelSettings& settings, const SumOfSquares<Dim>& squares) {
+  return settings.process.model == ProcessModel::linear || squares.asked_for;
+}
 
 /// Size of a run with this part, the responses of its objective and so many layers. Collective on the grid's
 /// communicator.

@@ -113,8 +113,7 @@ class Problem {
 
   std::vector<ConstraintRow> bounds_of(std::size_t constraint, double margin) const;
   void add_largest();
-  /// Adds those that terms offer; where each costs an adjoint of its own, only those that are asked for.
-  void add_functionals(bool costs_an_adjoint_each);
+  void add_functionals(const ModelSettings& settings);
   std::vector<int> residuals_of(const Squares& squares, const ProblemValues& values) const;
   bool begins_with_rounding(std::size_t term) const;
   double first_value(std::size_t term) const;
