@@ -33,7 +33,7 @@ std::vector<int> PlasticAdjoint::run(std::span<const ProcessAdjoint> functionals
       LaneVector own = unknowns.empty() ? LaneVector(forward_.unknowns(number).nodes, 3, added.lanes)
                                         : unknowns[k][number];
       const auto forces = [&](const LaneVector& adjoint, LaneVector& left) {
-        run_back(number, adjoint, duals[k], &left, nullptr, nullptr);
+        run_back(number, adjoint, duals[k], &left, nullptr);
         for (std::size_t i = 0; i < left.values.size(); ++i) left.values[i] += added.values[i];
         if (wave.block && forward_.input().heated()) subtract_next(stiffness, left);
       };
@@ -41,9 +41,7 @@ std::vector<int> PlasticAdjoint::run(std::span<const ProcessAdjoint> functionals
       if (!wave.release)
         std::for_each_n(result.begin() + wave.first, wave.count,
                         [sweeps](int& most) { most = std::max(most, sweeps); });
-      std::vector<PlasticDual> before = duals[k];
-      run_back(number, own, duals[k], nullptr, &before, &derivatives[k]);
-      duals[k] = std::move(before);
+      run_back(number, own, duals[k], nullptr, &derivatives[k]);
       if (derivatives[k].sink != nullptr) derivatives[k].sink->flush();
       if (!unknowns.empty()) unknowns[k][number] = std::move(own);
     }
@@ -75,9 +73,8 @@ void PlasticAdjoint::subtract_next(const LaneVector& stiffness, LaneVector& forc
     }
 }
 
-void PlasticAdjoint::run_back(std::size_t wave, const LaneVector& unknowns,
-                              const std::vector<PlasticDual>& dual, LaneVector* forces,
-                              std::vector<PlasticDual>* before, const ProcessDerivatives* to) {
+void PlasticAdjoint::run_back(std::size_t wave, const LaneVector& unknowns, std::vector<PlasticDual>& dual,
+                              LaneVector* forces, const ProcessDerivatives* to) {
   const std::array<const LaneVector*, 2> fields = {&forward_.unknowns(wave), &unknowns};
   const PlasticWave& own = forward_.waves()[wave];
   const std::size_t size = own.count * step_size;
@@ -91,7 +88,7 @@ void PlasticAdjoint::run_back(std::size_t wave, const LaneVector& unknowns,
                                   own, batch, &histories[0][b * size], &histories[1][b * size],
                                   forward_.start(wave)[batch],
                                   forces != nullptr ? &of_chunk[b * size] : nullptr, state, to, records_);
-                              if (before != nullptr) (*before)[batch] = state;
+                              if (to != nullptr) dual[batch] = state;
                             }
                           });
 }

@@ -31,9 +31,10 @@ class PlasticAdjoint {
   /// What a functional adds to the equations of a wave.
   LaneVector explicit_forces(const PlasticWave& wave, const ProcessAdjoint& functional) const;
   static void subtract_next(const LaneVector& stiffness, LaneVector& forces);
-  /// Takes `dual` back through a wave: sets `forces`, or adds derivatives.
-  void run_back(std::size_t wave, const LaneVector& unknowns, const std::vector<PlasticDual>& dual,
-                LaneVector* forces, std::vector<PlasticDual>* before, const ProcessDerivatives* to);
+  /// Takes adjoints back through a wave from `dual`: sets `forces`, or adds derivatives, and leaves in `dual`
+  /// what is before the wave.
+  void run_back(std::size_t wave, const LaneVector& unknowns, std::vector<PlasticDual>& dual,
+                LaneVector* forces, const ProcessDerivatives* to);
 
   PlasticSweeps& forward_;
   const ProcessResult& result_;

@@ -35,20 +35,21 @@ void PlasticExchange::run(const PlasticWave& wave, std::span<const LaneVector* c
   const int lanes = wave.lanes(groups_.index());
   const bool alone = groups_.count() == 1;
   const std::size_t ghosted_size = static_cast<std::size_t>(grid.ghosted_nodes().count()) * 3 * lanes;
-  ghosted_.resize(fields.size());
+  std::vector<std::vector<double>> ghosted(fields.size());
   for (std::size_t k = 0; lanes > 0 && k < fields.size(); ++k) {
-    spread(*fields[k], model_.nodes, static_cast<int>(grid.owned_nodes().count()), all_);
-    ghosted_[k].resize(ghosted_size);
-    grid.exchange(3 * lanes).to_ghosted(all_.values, ghosted_[k]);
+    LaneVector all;
+    spread(*fields[k], model_.nodes, static_cast<int>(grid.owned_nodes().count()), all);
+    ghosted[k] = grid.exchange(3 * lanes).ghosted(all.values);
   }
-  if (forces != nullptr) ghosted_forces_.assign(ghosted_size, 0.0);
+  std::vector<double> ghosted_forces;
+  if (forces != nullptr) ghosted_forces.resize(ghosted_size, 0.0);
   std::vector<std::vector<double>> blocks(lanes > 0 ? 1 : 0);
   histories_.resize(fields.size());
   for (const PlasticBatches::Chunk& chunk : batches_.chunks()) {
     const StepTranspose transpose(groups_, wave.deal, chunk.end - chunk.begin, components);
     const std::size_t size = chunk.batches() * wave.count * components * plastic_width;
     for (std::size_t k = 0; k < fields.size(); ++k) {
-      if (lanes > 0) set_modes(chunk, ghosted_[k], lanes, blocks.front());
+      if (lanes > 0) set_modes(chunk, ghosted[k], lanes, blocks.front());
       histories_[k].resize(size);
       // Elements that are not there do not move.
       if (chunk.count % plastic_width != 0) std::ranges::fill(histories_[k], 0.0);
@@ -68,16 +69,16 @@ void PlasticExchange::run(const PlasticWave& wave, std::span<const LaneVector* c
     const auto copy = [this](std::size_t to, std::size_t from) { values_[to] = forces_of_chunk_[from]; };
     if (alone) {
       for_each_place(chunk.count, lanes, components * lanes, lanes, 1, copy);
-      add_forces(chunk, values_, lanes, ghosted_forces_);
+      add_forces(chunk, values_, lanes, ghosted_forces);
     } else {
       for_each_place(chunk.count, wave.count, components * wave.count, 1, components, copy);
       const auto own = transpose.to_blocks(values_);
-      if (lanes > 0) add_forces(chunk, own.front(), lanes, ghosted_forces_);
+      if (lanes > 0) add_forces(chunk, own.front(), lanes, ghosted_forces);
     }
   }
   if (forces == nullptr || lanes == 0) return;
   resize(*forces, static_cast<int>(grid.owned_nodes().count()), 3, lanes);
-  grid.exchange(3 * lanes).add_to_owned(ghosted_forces_, forces->values);
+  grid.exchange(3 * lanes).add_to_owned(ghosted_forces, forces->values);
 }
 
 void PlasticExchange::set_modes(const PlasticBatches::Chunk& chunk, std::span<const double> ghosted,

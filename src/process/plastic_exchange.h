@@ -47,10 +47,9 @@ class PlasticExchange {
   const LayerGroups& groups_;
   const PlasticBatches& batches_;
   ElementModes modes_;
-  // Scratch of one wave after the other: fresh memory costs as much as what is done with it.
-  mutable LaneVector all_;
-  mutable std::vector<std::vector<double>> ghosted_, histories_;
-  mutable std::vector<double> ghosted_forces_, forces_of_chunk_, values_;
+  mutable std::vector<std::vector<double>>
+      histories_;  ///< scratch of one chunk after the other, as are these
+  mutable std::vector<double> forces_of_chunk_, values_;
 };
 
 }  // namespace fabseq

@@ -70,24 +70,29 @@ void PlasticIteration::correct(LaneVector& forces, bool adjoint, LaneVector& ste
   resize(step, static_cast<int>(systems_.model().nodes.size()), 3, lanes);
   systems_.groups().run([&] {
     if (lanes == 0) return;
+    LaneVector solution;
     if (wave_.release) {
-      resize(solution_, systems_.owned_nodes(), 3, 1);
-      solution_.values = adjoint ? release_->adjoint(forces.values) : release_->displacement(forces.values);
+      resize(solution, systems_.owned_nodes(), 3, 1);
+      solution.values = adjoint ? release_->adjoint(forces.values) : release_->displacement(forces.values);
     } else {
       for (double& force : forces.values) force = -force;
-      systems_.solve_current(*wave_.block, forces, solution_, adjoint ? "adjoint" : "forward");
+      systems_.solve_current(*wave_.block, forces, solution, adjoint ? "adjoint" : "forward");
     }
-    pick(solution_, systems_.model().nodes, step);
+    pick(solution, systems_.model().nodes, step);
   });
 }
 
 int PlasticIteration::solve(LaneVector& unknowns, const Forces& forces, bool adjoint,
                             const PlasticStop& stop) {
   Anderson anderson(systems_.groups().world(), depth, weights_);
+  LaneVector step;
   for (int sweep = 1; sweep <= stop.most; ++sweep) {
-    forces(unknowns, left_);
-    correct(left_, adjoint, step_);
-    const Anderson::Norms norms = anderson.advance(unknowns.values, step_.values);
+    {
+      LaneVector left;
+      forces(unknowns, left);
+      correct(left, adjoint, step);
+    }
+    const Anderson::Norms norms = anderson.advance(unknowns.values, step.values);
     const double all_square = square_ + norms.x * norms.x;
     if (norms.step > stop.change * std::sqrt(all_square)) continue;
     square_ = all_square;

@@ -49,9 +49,8 @@ class PlasticIteration {
   const PlasticInput& input_;
   const MaterialCurves& curves_;
   PlasticWave wave_;
-  std::vector<float> weights_;         ///< of the unknowns in products: the diagonal of the stiffness, about
-  LaneVector left_, solution_, step_;  ///< scratch
-  double square_ = 0.0;                ///< of the norm of the unknowns of all waves so far
+  std::vector<float> weights_;  ///< of the unknowns in products: the diagonal of the stiffness, about
+  double square_ = 0.0;         ///< of the norm of the unknowns of all waves so far
 };
 
 }  // namespace fabseq
