@@ -101,6 +101,28 @@ class PythonTest(FabseqTest):
         self.assertEqual(fields["design"].shape, (13, 21))
         self.assertEqual(sorted(set(fields["layer"].ravel())), [0, 1, 2, 3, 4])
 
+    def test_plastic_flow(self):
+        """A second evaluation begins from the first one's state, and ends with the same."""
+        config = hook_3d()
+        config["process"] = {"model": "elastoplastic", "deposition": "nominal"}
+        config["material"] = {"yield_stress": 0.002, "hardening": 0.02}
+        evaluated = self.run_config(1, config, "-task", "evaluate")
+        self.assert_done(evaluated)
+        self.assertEqual(self.run_lines(1, f"""
+            import numpy as np
+            problem = fabseq.Problem({self.write_config(config)!r})
+            problem.evaluate(0.9 * problem.design)
+            values = problem.evaluate(problem.design)
+            np.savez("values.npz", values=list(values.values()))
+            np.savez("gradients.npz", **problem.gradients("objective_0"))
+        """), [])
+        expected = [response["value"] for response in evaluated.json("evaluation.json")["responses"]]
+        np.testing.assert_allclose(np.load(os.path.join(self.directory, "values.npz"))["values"], expected, rtol=1e-7)
+        gradient = np.load(os.path.join(self.directory, "gradients.npz"))["objective_0"]
+        with h5py.File(evaluated.path("gradients.h5"), "r") as file:
+            of_program = np.array(file["objective_0/design"]).ravel()
+        self.assertAlmostEqual(np.linalg.norm(gradient) / np.linalg.norm(of_program), 1, delta=1e-6)
+
     def test_fields_do_not_depend_on_the_ranks(self):
         path = self.write_config(hook_3d())
         for ranks in (1, 2):

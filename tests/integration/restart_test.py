@@ -108,6 +108,21 @@ class SameBytesTest(RestartTest):
                 self.assert_done(run)
                 self.assertEqual(history_text(run), history_text(expected))
 
+    def test_plastic_flow_starts_cold_after_a_checkpoint(self):
+        """Its sweeps begin from the last design's state, but behind a checkpoint."""
+        config = hook_3d()
+        config["process"] = {"model": "elastoplastic", "deposition": "nominal"}
+        config["material"] = {"yield_stress": 0.002, "hardening": 0.02}
+        for groups in distinct(1, 2):
+            with self.subTest(groups=groups):
+                options = ("-max_iterations", 6, "-layers", 10, "-layer_groups", groups)
+                expected = self.run_config(2, config, *options, "-checkpoint_every", 3)
+                self.assert_done(expected)
+                half = self.half_run(2, config, 3, *options)
+                run = self.run_config(2, config, *options, "-restart", half.output, output=half.output)
+                self.assert_done(run)
+                self.assertEqual(history_text(run), history_text(expected))
+
     def test_kept_scales_and_best_iterate(self):
         """The checkpoint is the same, whether the run was cut before or not."""
         arguments = ("-max_iterations", 5, "-checkpoint_every", 5)

@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: MIT
+"""Plastic flow in runs of the program: what it must have in common with other runs."""
+
+import copy
+import itertools
+
+import run_fabseq
+from run_fabseq import FabseqTest, distinct
+from small_parts import hook_3d
+
+
+def flowing(yield_stress, heated=False):
+    """The hook of a material that flows, and that follows its temperature."""
+    config = hook_3d()
+    config["layers"]["count"] = 5
+    config["process"] = {"model": "elastoplastic", "deposition": "nominal"}
+    config["material"] = {"yield_stress": yield_stress, "hardening": 0.02}
+    config["objective"][1]["after_release"] = True
+    if heated:
+        config["process"].update({"deposition_rate": 2.5, "dwell": 60})
+        config["material"].update({"mass_density": 7.85, "temperatures": [20, 600, 1200], "young_factors": [1, 0.5, 0.05],
+                                   "yield_factors": [1, 0.4, 0.03], "elongations": [0, 0.008, 0.016], "cut_off": 1100})
+        config["thermal"] = {"conductivity": 30, "heat_capacity": 600, "heat_input": 1e6, "vanishing": 1200}
+    return config
+
+
+def turned(config):
+    """The same part with its axes in the order y, z, x: the plate's normal is y."""
+    def turn(value):
+        if isinstance(value, dict):
+            return {key: turn(inner) for key, inner in value.items()}
+        if isinstance(value, list) and len(value) == 3 and not isinstance(value[0], dict):
+            return [value[1], value[2], value[0]]
+        return [turn(inner) for inner in value] if isinstance(value, list) else value
+    result = turn(copy.deepcopy(config))
+    result["build_plate"] = "y-"
+    result["objective"][1]["axis"] = "y"
+    if "material" in result:
+        for key in ("temperatures", "young_factors", "yield_factors", "elongations"):
+            if key in config["material"]:
+                result["material"][key] = config["material"][key]
+    return result
+
+
+class PlasticTest(FabseqTest):
+    def values(self, ranks, config, *options):
+        run = self.run_config(ranks, config, "-task", "simulate", "-tolerance", "1e-10", *options)
+        self.assert_done(run)
+        return {entry["name"]: entry["value"] for entry in run.json("summary.json")["responses"]
+                if entry["type"] == "distortion"}
+
+    def assert_same(self, found, expected, limit):
+        self.assertEqual(set(found), set(expected))
+        for name, value in expected.items():
+            self.assertAlmostEqual(found[name] / value, 1, delta=limit, msg=name)
+
+    def test_is_linear_below_the_yield_stress(self):
+        linear = flowing(1e30)
+        linear["process"]["model"] = "linear"
+        self.assert_same(self.values(1, flowing(1e30)), self.values(1, linear), 1e-9)
+
+    def test_flow_changes_the_distortion(self):
+        elastic, plastic = self.values(1, flowing(1e30)), self.values(1, flowing(0.002))
+        for name, value in elastic.items():
+            self.assertGreater(abs(plastic[name] / value - 1), 0.01, name)
+
+    def test_ranks_groups_and_lanes(self):
+        for heated in distinct(False, True):
+            config = flowing(0.002, heated)
+            expected = self.values(1, config)
+            for ranks, groups, lanes in ((1, 1, 2), (2, 1, 8), (2, 2, 8), (4, 2, 4)):
+                with self.subTest(heated=heated, ranks=ranks, groups=groups, lanes=lanes):
+                    self.assert_same(self.values(ranks, config, "-layer_groups", groups, "-set", f"solver.lanes={lanes}"),
+                                     expected, 1e-8)
+
+    def test_a_part_that_is_turned_in_the_box(self):
+        for heated, ranks in itertools.product(distinct(False, True), (1,)):
+            with self.subTest(heated=heated):
+                config = flowing(0.002, heated)
+                config["build_plate"] = "z-"
+                self.assert_same(self.values(ranks, turned(config)), self.values(ranks, config), 1e-8)
+
+
+if __name__ == "__main__":
+    run_fabseq.main()
