@@ -49,6 +49,16 @@ class BenchmarkScriptTest(FabseqTest):
         total = next(line.split() for line in lines if line.startswith("total"))
         self.assertEqual(len(total), 4)  # two methods and their ratio
 
+    def test_flow_over_linear(self):
+        lines, record = self.run_script("flow.py", "--yield-stress", 0.002, "--iterations", 2)
+        self.assertEqual(set(record["iterations"]), {"linear", "elastoplastic"})
+        (flow,) = record["iterations"]["elastoplastic"]
+        self.assertGreaterEqual(flow["sweeps"], 1)
+        self.assertEqual(len(record["simulations"]), 3)
+        table = {line[:32].strip(): line[32:].split() for line in lines[-5:]}
+        linear, elastoplastic, ratio = map(float, table["iteration, s"])
+        self.assertAlmostEqual(elastoplastic / linear, ratio, delta=0.1 * ratio)
+
     def test_layers_are_timed_on_one_and_two_ranks(self):
         lines, record = self.run_script("layers.py", "--layers", 2, 3, "--ranks", 1, 2)
         self.assertEqual([(run["layers"], run["ranks"]) for run in record["runs"]], [(2, 1), (2, 2), (3, 1), (3, 2)])
