@@ -13,17 +13,18 @@ namespace fabseq {
 namespace {
 
 constexpr std::size_t depth = 5;  ///< of Anderson's method
-/// Tolerance of the solves of a sweep, relative to their load, at one temperature and where the modulus
-/// follows it.
-constexpr double of_corrections = 0.3, of_heated_corrections = 0.1;
+/// Closeness of the solves of a sweep: within reach of it from the start, so that each takes one step,
+/// unmeasured. Closer ones save no sweeps (docs/developer/experiments.md).
+constexpr SolveTolerance one_step{0.5, 4.0};
+/// The same of the release, which has no reach.
+constexpr double of_release = 0.3;
 
 }  // namespace
 
 void PlasticIteration::set_wave(const PlasticWave& wave, bool changed) {
   wave_ = wave;
-  const double tolerance = input_.heated() ? of_heated_corrections : of_corrections;
-  systems_.set_tolerance({tolerance});
-  if (release_ != nullptr) release_->set_tolerance(tolerance);
+  systems_.set_tolerance(one_step);
+  if (release_ != nullptr) release_->set_tolerance(of_release);
   systems_.groups().run([&] {
     if (wave_.block)
       systems_.set_operators(
