@@ -46,6 +46,7 @@ std::vector<int> PlasticAdjoint::run(std::span<const ProcessAdjoint> functionals
       if (!unknowns.empty()) unknowns[k][number] = std::move(own);
     }
   }
+  forward_.save_memory();
   return result;
 }
 

@@ -95,13 +95,14 @@ int PlasticIteration::solve(LaneVector& unknowns, const Forces& forces, bool adj
     }
     const Anderson::Norms norms = anderson.advance(unknowns.values, step.values);
     const double all_square = square_ + norms.x * norms.x;
+    if (!std::isfinite(norms.step + norms.x)) break;
     if (norms.step > stop.change * std::sqrt(all_square)) continue;
     square_ = all_square;
     return sweep;
   }
-  throw NumericalError(formatted(
-      "%s: %s still change by more than %g of them after %d sweeps", wave_.release ? "release" : "process",
-      adjoint ? "its adjoint displacements" : "displacements", stop.change, stop.most));
+  throw NumericalError(formatted("%s: sweeps do not bring %s to changes of %g",
+                                 wave_.release ? "release" : "process",
+                                 adjoint ? "its adjoint displacements" : "displacements", stop.change));
 }
 
 }  // namespace fabseq

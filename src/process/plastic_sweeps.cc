@@ -52,6 +52,7 @@ std::vector<int> PlasticSweeps::run(const PlasticStop& stop) {
     if (!waves_[wave].release) std::fill_n(result.begin() + waves_[wave].first, waves_[wave].count, sweeps);
     advance(wave);
   }
+  systems_.save_memory();
   return result;
 }
 

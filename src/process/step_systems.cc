@@ -95,7 +95,7 @@ std::vector<int> StepSystems<Dim>::solve(const LayerDensities& densities, SolveP
     for (std::size_t block = 0; block < blocks_.size(); ++block)
       solve_block(densities, block, purpose, loads, scale, workspace);
   });
-  if (solver_->saves_memory()) solver_->release_memory();
+  save_memory();
   SolveCount& count = workspace.count;
   count.gather(groups_);
   if (expected_work_.size() != 2 * count.all.size()) expected_work_.assign(2 * count.all.size(), 0.0);

@@ -93,6 +93,10 @@ class StepSystems {
   /// layer if a system does not converge, as a solve of the kind `what`. Collective on the grid's
   /// communicator.
   void solve_current(std::size_t block, const LaneVector& load, LaneVector& solution, const char* what);
+  /// Gives back the solver's memory if it is to save it, until the next set_operators(). Not collective.
+  void save_memory() {
+    if (solver_->saves_memory()) solver_->release_memory();
+  }
   /// Later systems are solved to this tolerance.
   void set_tolerance(const SolveTolerance& tolerance) { solver_->set_tolerance(tolerance); }
   /// Forgets what earlier solves have left in the solver for later ones (ElasticitySolver::start_cold()).
