@@ -41,12 +41,12 @@ class PlasticHistory {
   /// A step forward, and of its adjoint.
   struct Record;
   using Records = std::vector<Record>;
-  /// Takes adjoints of a batch back through the steps. `start`: the state before them. `adjoint`: lambda_s
+  /// Takes adjoints of a batch back through the steps. `point`: the state before them. `adjoint`: lambda_s
   /// less that of the step behind the wave, or where displacements are sums, less lambda_{s+1}. Sets
   /// `forces`, unless it is null, to the equation of each step. Adds derivatives to `to`, unless it is null.
   /// Uses `records`.
   void run_back(const PlasticWave& wave, std::size_t batch, const double* displacements,
-                const double* adjoint, PlasticPoint start, double* forces, PlasticDual& dual,
+                const double* adjoint, PlasticPoint point, double* forces, PlasticDual& dual,
                 const ProcessDerivatives* to, Records& records) const;
 
  private:
