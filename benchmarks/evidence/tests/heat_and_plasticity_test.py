@@ -3,6 +3,8 @@
 """Elements, own nodes and the linear model of the study with heat and plastic flow
 (benchmarks/evidence/figures/with_heat.py); CalculiX itself is not run."""
 
+import contextlib
+import io
 import unittest
 from types import SimpleNamespace
 from unittest import mock
@@ -10,9 +12,11 @@ from unittest import mock
 import numpy as np
 
 from fabseq_tools.geometry.grid import node_positions
-from heat_and_plasticity import own_cooling, steel
+from heat_and_plasticity import mechanics, own_cooling, steel
 from heat_and_plasticity.bricks import Bricks
+from heat_and_plasticity.compared import BRICKS, FLOW, LINEAR, compared
 from heat_and_plasticity.mechanics import OwnNodes
+from heat_and_plasticity.tables import print_tables
 
 SIZE, COUNTS = [4.0, 2.0, 6.0], [2, 1, 3]
 
@@ -68,6 +72,61 @@ class HeatAndPlasticityTest(unittest.TestCase):
         self.assertAlmostEqual(steel.heat_capacity(400), 605.88, places=2)
         self.assertAlmostEqual(steel.elongation(20), 0.0, places=6)
         self.assertAlmostEqual(steel.elongation(860), 0.011, places=3)
+
+    def test_steel_of_the_model_with_flow(self):
+        """The curves of CalculiX's deck: between 20 °C and the solidus its numbers are the deck's."""
+        material = steel.flow_material()
+        temperatures = material["temperatures"]
+        self.assertEqual(temperatures, sorted(set(temperatures)))
+        self.assertLess(material["cut_off"], steel.SOLIDUS)
+        self.assertGreater(temperatures[-1], steel.SOLIDUS)
+        for t, strength, stiffness in steel.REDUCTION:
+            place = temperatures.index(t)
+            self.assertEqual(material["yield_factors"][place], max(strength, steel.FLOOR))
+            self.assertEqual(material["young_factors"][place], max(stiffness, steel.FLOOR))
+            self.assertAlmostEqual(material["elongations"][place], steel.elongation(t))
+        for t in (50, 800, 950, 1150, 1400):  # no bend of a curve is left out
+            self.assertAlmostEqual(np.interp(t, temperatures, material["elongations"]), steel.elongation(t), delta=3e-5)
+
+    def test_types_of_brick(self):
+        """Differ in nothing else but their name."""
+        bricks = column()
+        bricks.supports = np.arange(6)
+        cold = np.full((2, 1, len(bricks.positions)), 20.0)
+        decks = {kind: "\n".join(mechanics.deck_lines(bricks, cold, 20.0, kind)) for kind in BRICKS}
+        self.assertEqual(decks["C3D8I"].count("TYPE=C3D8I,"), 3)  # plate and two layers
+        self.assertEqual(decks["C3D8I"].replace("C3D8I", "C3D8"), decks["C3D8"])
+
+    def test_errors_and_factors(self):
+        """Linear models get one factor, of the planar case; the one with flow gets none."""
+        unit = np.zeros((4, 3))
+        unit[:, 2] = 1.0
+        fields = {sequence: {"C3D8I": theirs * unit, "C3D8": 0.9 * theirs * unit, FLOW: 0.8 * theirs * unit,
+                             **{model: unit for model in LINEAR}} for sequence, theirs in (("planar", 2.0), ("tilted", 1.0))}
+        found = compared(fields)
+        self.assertAlmostEqual(found["tilted"][FLOW]["C3D8I"]["error"], 0.2)
+        self.assertAlmostEqual(found["tilted"][FLOW]["C3D8"]["error"], 1.0 / 9.0)
+        self.assertAlmostEqual(found["tilted"]["C3D8"]["difference"], 0.1)
+        self.assertAlmostEqual(found["planar"]["constant"]["C3D8I"]["error"], 0.0)
+        self.assertAlmostEqual(found["tilted"]["constant"]["C3D8"]["scale"], 1.8)
+        self.assertAlmostEqual(found["tilted"]["constant"]["C3D8I"]["error"], 1.0)
+
+    def test_tables(self):
+        """Have as many cells in each row as in the head, and no gain of the planar case."""
+        unit = np.ones((4, 3))
+        fields = {sequence: {name: scale * unit for name in (*BRICKS, FLOW, *LINEAR)}
+                  for sequence, scale in (("planar", 2.0), ("tilted", 1.0))}
+        found = compared(fields)
+        for row in found.values():
+            row |= {"layers": 2, "interpass": {"ccx": [300.0], "fabseq": [310.0]}}
+        printed = io.StringIO()
+        with contextlib.redirect_stdout(printed):
+            print_tables({"wall": found})
+        tables = [table.splitlines() for table in printed.getvalue().strip().split("\n\n")]
+        self.assertEqual([len(table) for table in tables], [4, 3, 4, 3])
+        for table in tables:
+            self.assertEqual(len({line.count("|") for line in table}), 1, table)
+        self.assertIn("| wall, tilted | 2.00 |", tables[1][2])
 
 
 if __name__ == "__main__":

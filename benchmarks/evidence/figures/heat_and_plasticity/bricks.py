@@ -61,9 +61,9 @@ def number_lines(numbers):
         yield ", ".join(str(n + 1) for n in numbers[start:start + PER_LINE])
 
 
-def element_lines(corners, layer, layers):
+def element_lines(corners, layer, layers, kind="C3D8"):
     """An element set L<number> for each layer."""
     for number in range(layers + 1):
-        yield f"*ELEMENT, TYPE=C3D8, ELSET=L{number}"
+        yield f"*ELEMENT, TYPE={kind}, ELSET=L{number}"
         for element in np.flatnonzero(layer == number):
             yield ", ".join(str(n + 1) for n in (element, *corners[element]))

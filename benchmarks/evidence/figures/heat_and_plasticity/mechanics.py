@@ -6,6 +6,9 @@ strain of such elements from the displacements and temperatures of their nodes a
 the step. So material goes to its nominal position. For it to shrink from the solidus, each layer has nodes of
 its own that wait at the solidus and are tied by equations to those of the layers below, and nothing else
 changes in the step that adds it.
+
+Bricks are C3D8, with 2x2x2 points as fabseq's, or C3D8I, which have further shapes inside and lock less in
+bending and in plastic flow.
 """
 
 import numpy as np
@@ -36,9 +39,9 @@ class OwnNodes:
         self.tied = np.arange(len(bricks.positions), count)
 
 
-def deck_lines(bricks, temperatures, ambient):
+def deck_lines(bricks, temperatures, ambient, kind):
     own = OwnNodes(bricks)
-    yield from model_lines(bricks, own)
+    yield from model_lines(bricks, own, kind)
     yield f"*INITIAL CONDITIONS, TYPE=TEMPERATURE\nALL, {ambient}"
     yield "*BOUNDARY\nHELD, 1, 3"
     yield "*STEP, INC=1000\n*STATIC, DIRECT\n1., 1.\n*MODEL CHANGE, TYPE=ELEMENT, REMOVE"
@@ -58,11 +61,11 @@ def deck_lines(bricks, temperatures, ambient):
     yield from last_step(["*BOUNDARY, OP=NEW", *three_supports(bricks)])
 
 
-def model_lines(bricks, own):
+def model_lines(bricks, own, kind):
     positions = bricks.positions[own.of]
     yield "*NODE, NSET=ALL"
     yield from (f"{n + 1}, {x:.9g}, {y:.9g}, {z:.9g}" for n, (x, y, z) in zip(own.there, positions[own.there]))
-    yield from element_lines(own.corners, bricks.layer, bricks.layers)
+    yield from element_lines(own.corners, bricks.layer, bricks.layers, kind)
     yield "*MATERIAL, NAME=STEEL"
     yield from steel.mechanical_lines()
     yield from (f"*SOLID SECTION, ELSET=L{number}, MATERIAL=STEEL" for number in range(bricks.layers + 1))
@@ -91,8 +94,9 @@ def three_supports(bricks):
     yield f"{first + 1}, 1, 3\n{along_x + 1}, 2, 3\n{along_y + 1}, 3, 3"
 
 
-def displacements(bricks, temperatures, ambient, folder):
-    """Of the grid's nodes (node, 3), cold: on the plate, and released."""
-    tables = tables_of(run_ccx(folder, "mechanics", deck_lines(bricks, temperatures, ambient)), len(bricks.positions), 3)
+def displacements(bricks, temperatures, ambient, folder, kind):
+    """Of the grid's nodes (node, 3), cold: on the plate, and released. `kind`: the type of brick of ccx."""
+    lines = deck_lines(bricks, temperatures, ambient, kind)
+    tables = tables_of(run_ccx(folder, f"mechanics_{kind}", lines), len(bricks.positions), 3)
     assert len(tables) == 2, f"{len(tables)} tables of displacements"
     return tables

@@ -14,6 +14,7 @@ YOUNG, YIELD = 210e3, 400.0       # at 20 degrees C; yield: least of the weld me
 FLOOR = 0.01                      # of modulus and yield stress: the standard says 0 at 1200 degrees C
 PEAK = 1000.0                     # J/(kg K), approximate: the standard's peak of 5000 is 10 K wide
 HARDENING = 100.0                 # MPa at a plastic strain of 1 when cold: small, so that melting has little to undo
+CUT_OFF = 1150.0                  # of fabseq's thermal strain; chosen on arm and wall
 
 # EN 1993-1-2, table 3.1: temperature, factor of the effective yield strength, factor of the modulus.
 REDUCTION = np.array([[20, 1, 1], [100, 1, 1], [200, 1, 0.9], [300, 1, 0.8], [400, 1, 0.7], [500, 0.78, 0.6],
@@ -53,10 +54,26 @@ def thermal_lines():
     yield f"*DENSITY\n{DENSITY:g}"
 
 
+def reduction_rows():
+    """Temperature, factor of the yield stress and factor of the modulus, not below the floor."""
+    rows = [(t, max(strength, FLOOR), max(stiffness, FLOOR)) for t, strength, stiffness in REDUCTION]
+    return [*rows, (SOLIDUS + 200, FLOOR, FLOOR)]
+
+
+def flow_material():
+    """The keys of fabseq's `material` for the same steel with plastic flow."""
+    bends = (750, 860)  # of the elongation
+    temperatures = sorted({*bends, *(float(t) for t, _, _ in reduction_rows())})
+    strengths, stiffnesses = (np.interp(temperatures, *zip(*((row[0], row[column]) for row in reduction_rows())))
+                              for column in (1, 2))
+    return {"young": YOUNG, "poisson": POISSON, "yield_stress": YIELD, "hardening": HARDENING, "cut_off": CUT_OFF,
+            "temperatures": temperatures, "yield_factors": strengths.tolist(), "young_factors": stiffnesses.tolist(),
+            "elongations": [elongation(t) for t in temperatures]}
+
+
 def mechanical_lines():
     """*ELASTIC, *PLASTIC and *EXPANSION of a material for a deck."""
-    rows = [(t, max(strength, FLOOR), max(stiffness, FLOOR)) for t, strength, stiffness in REDUCTION]
-    rows.append((SOLIDUS + 200, FLOOR, FLOOR))
+    rows = reduction_rows()
     yield "*ELASTIC"
     yield from (f"{YOUNG * stiffness:.6g}, {POISSON}, {t:g}." for t, _, stiffness in rows)
     yield "*PLASTIC"
