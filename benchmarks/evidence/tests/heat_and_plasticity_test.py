@@ -14,7 +14,7 @@ import numpy as np
 from fabseq_tools.geometry.grid import node_positions
 from heat_and_plasticity import mechanics, own_cooling, steel
 from heat_and_plasticity.bricks import Bricks
-from heat_and_plasticity.compared import BRICKS, FLOW, LINEAR, compared
+from heat_and_plasticity.compared import BRICKS, FLOW, HOTTER, LINEAR, compared
 from heat_and_plasticity.mechanics import OwnNodes
 from heat_and_plasticity.tables import print_tables
 
@@ -102,7 +102,8 @@ class HeatAndPlasticityTest(unittest.TestCase):
         unit = np.zeros((4, 3))
         unit[:, 2] = 1.0
         fields = {sequence: {"C3D8I": theirs * unit, "C3D8": 0.9 * theirs * unit, FLOW: 0.8 * theirs * unit,
-                             **{model: unit for model in LINEAR}} for sequence, theirs in (("planar", 2.0), ("tilted", 1.0))}
+                             HOTTER: unit, **{model: unit for model in LINEAR}}
+                  for sequence, theirs in (("planar", 2.0), ("tilted", 1.0))}
         found = compared(fields)
         self.assertAlmostEqual(found["tilted"][FLOW]["C3D8I"]["error"], 0.2)
         self.assertAlmostEqual(found["tilted"][FLOW]["C3D8"]["error"], 1.0 / 9.0)
@@ -114,7 +115,7 @@ class HeatAndPlasticityTest(unittest.TestCase):
     def test_tables(self):
         """Have as many cells in each row as in the head, and no gain of the planar case."""
         unit = np.ones((4, 3))
-        fields = {sequence: {name: scale * unit for name in (*BRICKS, FLOW, *LINEAR)}
+        fields = {sequence: {name: scale * unit for name in (*BRICKS, FLOW, HOTTER, *LINEAR)}
                   for sequence, scale in (("planar", 2.0), ("tilted", 1.0))}
         found = compared(fields)
         for row in found.values():

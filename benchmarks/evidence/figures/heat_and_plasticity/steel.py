@@ -60,13 +60,13 @@ def reduction_rows():
     return [*rows, (SOLIDUS + 200, FLOOR, FLOOR)]
 
 
-def flow_material():
+def flow_material(cut_off=CUT_OFF):
     """The keys of fabseq's `material` for the same steel with plastic flow."""
     bends = (750, 860)  # of the elongation
     temperatures = sorted({*bends, *(float(t) for t, _, _ in reduction_rows())})
     strengths, stiffnesses = (np.interp(temperatures, *zip(*((row[0], row[column]) for row in reduction_rows())))
                               for column in (1, 2))
-    return {"young": YOUNG, "poisson": POISSON, "yield_stress": YIELD, "hardening": HARDENING, "cut_off": CUT_OFF,
+    return {"young": YOUNG, "poisson": POISSON, "yield_stress": YIELD, "hardening": HARDENING, "cut_off": cut_off,
             "temperatures": temperatures, "yield_factors": strengths.tolist(), "young_factors": stiffnesses.tolist(),
             "elongations": [elongation(t) for t in temperatures]}
 

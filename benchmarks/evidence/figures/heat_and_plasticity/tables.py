@@ -1,15 +1,17 @@
 # SPDX-License-Identifier: MIT
 """Tables of with_heat.py, as in benchmarks/evidence/results/with_heat.md."""
 
-from heat_and_plasticity.compared import BRICKS, FLOW, LINEAR
+from heat_and_plasticity.compared import BRICKS, FLOW, HOTTER, LINEAR
+
+MODELS = (FLOW, HOTTER, *LINEAR)
 
 
 def print_tables(cases):
     """`cases`: {name: figures of with_heat.py}."""
     print_rows(("part", "layers", "highest interpass, °C: CalculiX", "fabseq", *(f"rms, mm: {kind}" for kind in BRICKS), FLOW,
                 *(f"error to {kind}" for kind in BRICKS), f"{BRICKS[1]} from {BRICKS[0]}"), cases, flow_cells)
-    print_rows(("gain over planar", *BRICKS, FLOW, *LINEAR), cases, gain_cells)
-    print_rows(("part", *(f"error to {kind}: {model}" for kind in BRICKS for model in (FLOW, *LINEAR))), cases, error_cells)
+    print_rows(("gain over planar", *BRICKS, *MODELS), cases, gain_cells)
+    print_rows(("part", *(f"error to {kind}: {model}" for kind in BRICKS for model in MODELS)), cases, error_cells)
     print_rows(("part", *(f"factor for {kind}: {model}" for kind in BRICKS for model in LINEAR)), cases, scale_cells)
 
 
@@ -33,11 +35,11 @@ def gain_cells(row, planar, sequence):
     if sequence == "planar":
         return []
     return [*(f"{planar[kind]['rms'] / row[kind]['rms']:.2f}" for kind in BRICKS),
-            *(f"{planar[model][BRICKS[0]]['rms'] / row[model][BRICKS[0]]['rms']:.2f}" for model in (FLOW, *LINEAR))]
+            *(f"{planar[model][BRICKS[0]]['rms'] / row[model][BRICKS[0]]['rms']:.2f}" for model in MODELS)]
 
 
 def error_cells(row, _planar, _sequence):
-    return [percent(row[model][kind]["error"]) for kind in BRICKS for model in (FLOW, *LINEAR)]
+    return [percent(row[model][kind]["error"]) for kind in BRICKS for model in MODELS]
 
 
 def scale_cells(row, _planar, sequence):
