@@ -9,7 +9,8 @@ of the start, and in layers optimized for the linear model, all binary. CalculiX
 first finds the temperatures, then the displacement of elastic, plastic steel that shrinks from the solidus,
 and of its release, with two types of brick. fabseq simulates the same layers
 
-- with plastic flow (process.model elastoplastic), the steel's curves, two values of cut_off and no factor,
+- with plastic flow (process.model elastoplastic), the steel's curves and no factor; with two values of
+  cut_off, and on elements of half the size,
 - with its linear model, a strain that is constant or follows the temperature, and one factor for it.
 
 A third linear model adds the cooling of what is built (heat_and_plasticity/own_cooling.py). Each factor is
@@ -33,7 +34,8 @@ from fabseq_tools.geometry.rigid_motions import without_rigid_motion
 from fabseq_tools.run.read_run import read_fields, read_json
 from heat_and_plasticity import own_cooling, steel
 from heat_and_plasticity.bricks import Bricks
-from heat_and_plasticity.compared import BRICKS, FLOW, HOTTER, LINEAR, compared
+from heat_and_plasticity.compared import BRICKS, FINER, FLOW, HOTTER, LINEAR, compared
+from heat_and_plasticity.finer import at_coarse_nodes, finer_settings
 from heat_and_plasticity.heat import Schedule, temperatures
 from heat_and_plasticity.mechanics import displacements
 from heat_and_plasticity.picture import draw
@@ -118,6 +120,13 @@ class Study:
         words = ["-binary", *self.words_of(sequence), *set_words(RUNS[model])]
         return self.run(f"{sequence}_{model.replace(' ', '_')}", "simulate", *words)
 
+    def finer(self, sequence, bricks):
+        """The model with plastic flow, the same layers, elements of half the size."""
+        settings = finer_settings(bricks, os.path.join(self.output, f"{sequence}_layers.h5"))
+        distortion = bricks.config["objective"][:1]  # a file says no gradient of the times, for their uniformity
+        words = set_words({"constraints": [], "objective": distortion, **RUNS[FLOW], **settings})
+        return self.run(f"{sequence}_{FINER.replace(' ', '_')}", "simulate", "-binary", *words)
+
     def figures(self):
         fields, found = {}, {}
         for sequence in self.sequences:
@@ -136,8 +145,8 @@ class Study:
         nodes, points = bricks.part_nodes(), bricks.positions[bricks.part_nodes()]
         moved = {kind: displacements(bricks, heat, schedule.ambient, folder, kind)[1] for kind in BRICKS}
         for model, directory in directories.items():
-            result = read_fields(os.path.join(directory, "result.h5"))
-            moved[model] = (result["displacement"] + result["release_displacement"]).reshape(-1, 3).astype(float)
+            moved[model] = moved_of(directory)
+        moved[FINER] = at_coarse_nodes(moved_of(self.finer(sequence, bricks)), bricks.grid.shape)
         moved[LINEAR[-1]] = own_cooling.displacements(bricks, heat, schedule.ambient)
         fields = {name: without_rigid_motion(values[nodes], points) for name, values in moved.items()}
         layers = read_json(directories["thermal"], "summary.json")["layers"]
@@ -147,6 +156,12 @@ class Study:
 
 def set_words(settings):
     return [word for key, value in settings.items() for word in ("-set", f"{key}={json.dumps(value)}")]
+
+
+def moved_of(directory):
+    """Displacement of a run's nodes after the release."""
+    result = read_fields(os.path.join(directory, "result.h5"))
+    return (result["displacement"] + result["release_displacement"]).reshape(-1, 3).astype(float)
 
 
 def interpass(bricks, heat):

@@ -5,16 +5,20 @@
 
 import contextlib
 import io
+import os
+import tempfile
 import unittest
 from types import SimpleNamespace
 from unittest import mock
 
+import h5py
 import numpy as np
 
 from fabseq_tools.geometry.grid import node_positions
 from heat_and_plasticity import mechanics, own_cooling, steel
 from heat_and_plasticity.bricks import Bricks
-from heat_and_plasticity.compared import BRICKS, FLOW, HOTTER, LINEAR, compared
+from heat_and_plasticity.compared import BRICKS, FLOW, FLOWS, LINEAR, compared
+from heat_and_plasticity.finer import at_coarse_nodes, finer_settings
 from heat_and_plasticity.mechanics import OwnNodes
 from heat_and_plasticity.tables import print_tables
 
@@ -97,12 +101,26 @@ class HeatAndPlasticityTest(unittest.TestCase):
         self.assertEqual(decks["C3D8I"].count("TYPE=C3D8I,"), 3)  # plate and two layers
         self.assertEqual(decks["C3D8I"].replace("C3D8I", "C3D8"), decks["C3D8"])
 
+    def test_layers_on_a_finer_grid(self):
+        """Each element is eight of its layer, and every second node is one of the coarse grid's."""
+        bricks = column()
+        with tempfile.TemporaryDirectory() as directory:
+            path = os.path.join(directory, "layers.h5")
+            settings = finer_settings(bricks, path)
+            with h5py.File(path) as file:
+                time = file["time"][()]
+        self.assertEqual(settings["domain.elements"], [4, 2, 6])
+        self.assertEqual(time.shape, (6, 2, 4))
+        np.testing.assert_array_equal(np.ceil(2 * time[2:, :, :2]), np.repeat([1, 2], 8).reshape(4, 2, 2))
+        fine = node_positions(SIZE, settings["domain.elements"])
+        np.testing.assert_allclose(at_coarse_nodes(fine, bricks.grid.shape), bricks.positions)
+
     def test_errors_and_factors(self):
         """Linear models get one factor, of the planar case; the one with flow gets none."""
         unit = np.zeros((4, 3))
         unit[:, 2] = 1.0
-        fields = {sequence: {"C3D8I": theirs * unit, "C3D8": 0.9 * theirs * unit, FLOW: 0.8 * theirs * unit,
-                             HOTTER: unit, **{model: unit for model in LINEAR}}
+        fields = {sequence: {"C3D8I": theirs * unit, "C3D8": 0.9 * theirs * unit,
+                             **{model: unit for model in (*FLOWS, *LINEAR)}, FLOW: 0.8 * theirs * unit}
                   for sequence, theirs in (("planar", 2.0), ("tilted", 1.0))}
         found = compared(fields)
         self.assertAlmostEqual(found["tilted"][FLOW]["C3D8I"]["error"], 0.2)
@@ -115,7 +133,7 @@ class HeatAndPlasticityTest(unittest.TestCase):
     def test_tables(self):
         """Have as many cells in each row as in the head, and no gain of the planar case."""
         unit = np.ones((4, 3))
-        fields = {sequence: {name: scale * unit for name in (*BRICKS, FLOW, HOTTER, *LINEAR)}
+        fields = {sequence: {name: scale * unit for name in (*BRICKS, *FLOWS, *LINEAR)}
                   for sequence, scale in (("planar", 2.0), ("tilted", 1.0))}
         found = compared(fields)
         for row in found.values():

@@ -8,7 +8,8 @@ best, for each type of brick of CalculiX.
 import numpy as np
 
 BRICKS = ("C3D8I", "C3D8")                        # of CalculiX; tables judge by the first where they name none
-FLOW, HOTTER = "flow", "flow 1200"                # steel.CUT_OFF, and a cut-off of 1200
+FLOW, HOTTER, FINER = "flow", "flow 1200", "flow fine"   # steel.CUT_OFF, a cut-off of 1200, elements of half the size
+FLOWS = (FLOW, HOTTER, FINER)
 LINEAR = ("constant", "thermal", "own cooling")   # the last is own_cooling.py, with the temperatures of CalculiX
 
 
@@ -18,7 +19,7 @@ def compared(fields):
     found = {}
     for sequence, of in fields.items():
         found[sequence] = {kind: {"rms": rms(of[kind]), "difference": relative(of[kind], of[BRICKS[0]])} for kind in BRICKS}
-        for model in (FLOW, HOTTER, *LINEAR):
+        for model in (*FLOWS, *LINEAR):
             found[sequence][model] = {kind: against(of[model], of[kind], scale_of(
                 fields["planar"], model, kind)) for kind in BRICKS}
     return found
@@ -26,7 +27,7 @@ def compared(fields):
 
 def scale_of(planar, model, kind):
     """The factor of a model's strain."""
-    if model in (FLOW, HOTTER):
+    if model in FLOWS:
         return 1.0
     return float(np.sum(planar[kind] * planar[model]) / np.sum(planar[model]**2))
 

@@ -35,7 +35,7 @@ def draw(cases, path):
         for axis in axes[len(cases):]:
             axis.set_axis_off()
         for axis in grid[:, 0]:
-            axis.set_ylabel("rms after the release, mm")
+            axis.set_ylabel("rms, mm")
         figure.legend(*axes[0].get_legend_handles_labels(), loc="lower center", ncols=2, frameon=False)
         save(figure, path, 150)
 

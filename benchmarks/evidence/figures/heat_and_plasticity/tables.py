@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
 """Tables of with_heat.py, as in benchmarks/evidence/results/with_heat.md."""
 
-from heat_and_plasticity.compared import BRICKS, FLOW, HOTTER, LINEAR
+from heat_and_plasticity.compared import BRICKS, FLOW, FLOWS, LINEAR
 
-MODELS = (FLOW, HOTTER, *LINEAR)
+MODELS = (*FLOWS, *LINEAR)
 
 
 def print_tables(cases):
