@@ -108,10 +108,12 @@ class HeatAndPlasticityTest(unittest.TestCase):
             path = os.path.join(directory, "layers.h5")
             settings = finer_settings(bricks, path)
             with h5py.File(path) as file:
-                time = file["time"][()]
+                time, density = file["time"][()], file["density"][()]
         self.assertEqual(settings["domain.elements"], [4, 2, 6])
         self.assertEqual(time.shape, (6, 2, 4))
         np.testing.assert_array_equal(np.ceil(2 * time[2:, :, :2]), np.repeat([1, 2], 8).reshape(4, 2, 2))
+        self.assertEqual(density.sum(), 16)
+        self.assertEqual(density[2:, :, :2].sum(), 16)
         fine = node_positions(SIZE, settings["domain.elements"])
         np.testing.assert_allclose(at_coarse_nodes(fine, bricks.grid.shape), bricks.positions)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The layers of a run on a grid of half its elements' size: what the size of the elements changes."""
+"""Part and layers of a run on a grid of half its elements' size: what the size of the elements changes."""
 
 import os
 
@@ -8,15 +8,17 @@ import numpy as np
 
 
 def finer_settings(bricks, path):
-    """Settings of a simulation of the same layers, each element as 2x2x2; writes their times to `path`."""
-    layer = np.maximum(bricks.grid, 1)  # void and substrate have no time
+    """Settings of a simulation of the same part and layers, each element as 2x2x2; writes both to `path`."""
+    layer = bricks.grid
     for axis in range(3):
         layer = np.repeat(layer, 2, axis=axis)
     with h5py.File(path, "w") as file:
-        file["time"] = (layer - 0.5) / bricks.layers
-    return {"domain.elements": [2 * count for count in bricks.grid.shape[::-1]],
+        file["density"] = (layer > 0).astype(float)
+        file["time"] = (np.maximum(layer, 1) - 0.5) / bricks.layers  # void and substrate have no time
+    path = os.path.abspath(path)
+    return {"domain.elements": [2 * count for count in bricks.grid.shape[::-1]], "part": {"voxels": {"file": path}},
             "layers": {"type": "curved", "count": bricks.layers},
-            "sequence": {"type": "file", "file": os.path.abspath(path), "dataset": "time"}}
+            "sequence": {"type": "file", "file": path, "dataset": "time"}}
 
 
 def at_coarse_nodes(values, shape):
