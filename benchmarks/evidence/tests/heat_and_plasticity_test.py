@@ -144,7 +144,7 @@ class HeatAndPlasticityTest(unittest.TestCase):
         with contextlib.redirect_stdout(printed):
             print_tables({"wall": found})
         tables = [table.splitlines() for table in printed.getvalue().strip().split("\n\n")]
-        self.assertEqual([len(table) for table in tables], [4, 3, 4, 3])
+        self.assertEqual([len(table) for table in tables], [4, 3, 4, 4])
         for table in tables:
             self.assertEqual(len({line.count("|") for line in table}), 1, table)
         self.assertIn("| wall, tilted | 2.00 |", tables[1][2])

@@ -1,49 +1,51 @@
 # SPDX-License-Identifier: MIT
-"""Tables of with_heat.py, as in benchmarks/evidence/results/with_heat.md."""
+"""Tables of with_heat.py, as they stand in benchmarks/evidence/results/with_heat.md."""
 
 from heat_and_plasticity.compared import BRICKS, FLOW, FLOWS, LINEAR
 
-MODELS = (*FLOWS, *LINEAR)
+FIRST, OTHER = BRICKS
 
 
 def print_tables(cases):
     """`cases`: {name: figures of with_heat.py}."""
-    print_rows(("part", "layers", "highest interpass, °C: CalculiX", "fabseq", *(f"rms, mm: {kind}" for kind in BRICKS), FLOW,
-                *(f"error to {kind}" for kind in BRICKS), f"{BRICKS[1]} from {BRICKS[0]}"), cases, flow_cells)
-    print_rows(("gain over planar", *BRICKS, *MODELS), cases, gain_cells)
-    print_rows(("part", *(f"error to {kind}: {model}" for kind in BRICKS for model in MODELS)), cases, error_cells)
-    print_rows(("part", *(f"factor for {kind}: {model}" for kind in BRICKS for model in LINEAR)), cases, scale_cells)
+    print_rows(("part", "layers", "highest interpass, °C: CalculiX", "fabseq", f"rms, mm: {FIRST}", OTHER, FLOW,
+                f"error to {FIRST}", f"to {OTHER}", f"{OTHER} from {FIRST}"), cases, flow_cells)
+    print_rows(("gain over planar", *BRICKS, *FLOWS, *LINEAR), cases, gain_cells)
+    print_rows((f"error to {FIRST} ({OTHER}), %", *FLOWS), cases, other_flow_cells)
+    print_rows((f"error to {FIRST}, and factor of the planar case", *LINEAR, *(f"factor: {model}" for model in LINEAR)),
+               cases, linear_cells)
 
 
 def print_rows(head, cases, cells_of):
     print("\n| " + " | ".join(head) + " |\n|" + " --- |" * len(head))
     for case, found in cases.items():
         for sequence, row in found.items():
-            cells = cells_of(row, found["planar"], sequence)
+            cells = cells_of(row, found["planar"])
             if cells:
-                print("| " + " | ".join([f"{case}, {sequence}", *cells]) + " |")
+                print("| " + " | ".join([f"{case.replace('_', ' ')}, {sequence}", *cells]) + " |")
 
 
-def flow_cells(row, _planar, _sequence):
+def flow_cells(row, _planar):
     return [str(row["layers"]), *(f"{max(row['interpass'][name]):.0f}" for name in ("ccx", "fabseq")),
-            *(f"{row[kind]['rms']:.3f}" for kind in BRICKS), f"{row[FLOW][BRICKS[0]]['rms']:.3f}",
-            *(percent(row[FLOW][kind]["error"]) for kind in BRICKS), percent(row[BRICKS[1]]["difference"])]
+            *(f"{row[kind]['rms']:.3f}" for kind in BRICKS), f"{row[FLOW][FIRST]['rms']:.3f}",
+            *(percent(row[FLOW][kind]["error"]) for kind in BRICKS), percent(row[OTHER]["difference"])]
 
 
-def gain_cells(row, planar, sequence):
+def gain_cells(row, planar):
     """Gains over planar; a factor does not change a model's."""
-    if sequence == "planar":
+    if row is planar:
         return []
     return [*(f"{planar[kind]['rms'] / row[kind]['rms']:.2f}" for kind in BRICKS),
-            *(f"{planar[model][BRICKS[0]]['rms'] / row[model][BRICKS[0]]['rms']:.2f}" for model in MODELS)]
+            *(f"{planar[model][FIRST]['rms'] / row[model][FIRST]['rms']:.2f}" for model in (*FLOWS, *LINEAR))]
 
 
-def error_cells(row, _planar, _sequence):
-    return [percent(row[model][kind]["error"]) for kind in BRICKS for model in MODELS]
+def other_flow_cells(row, _planar):
+    return [f"{100 * row[model][FIRST]['error']:.0f} ({100 * row[model][OTHER]['error']:.0f})" for model in FLOWS]
 
 
-def scale_cells(row, _planar, sequence):
-    return [f"{row[model][kind]['scale']:.3g}" for kind in BRICKS for model in LINEAR] if sequence == "planar" else []
+def linear_cells(row, planar):
+    factors = [f"{planar[model][FIRST]['scale']:.3g}" if row is planar else "" for model in LINEAR]
+    return [*(percent(row[model][FIRST]["error"]) for model in LINEAR), *factors]
 
 
 def percent(value):
