@@ -46,9 +46,9 @@ THREE = ("planar", "tilted", "optimized")
 # Each with its file in FOLDER, its sequences and its settings. The wall is cold after longer pauses.
 CASES = {"arm": ("arm", ("planar", "start", "optimized"), {}),
          "wall": ("wall", THREE, {}),
+         "cold_wall": ("wall", THREE, {"process.dwell": 45}),
          "cross": ("cross", THREE, {}),
-         "tee": ("tee", THREE, {}),
-         "cold_wall": ("wall", THREE, {"process.dwell": 45})}
+         "tee": ("tee", THREE, {})}
 UPRIGHT, TILTED = [0, 0, 1], [0.2588, 0, 0.9659]   # the second leans by 15 degrees
 
 
