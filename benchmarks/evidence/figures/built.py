@@ -33,19 +33,14 @@ HEAD = ("case", "planar", "start", "smooth", "binary", "gain", "over start", "rm
 
 def main():
     arguments, cases = parse_cases(parser_of_cases(__doc__, "built"))
-    print_line(HEAD)
-    print_line(["---"] * len(HEAD))
-    for case in arguments.names or cases.table:
+
+    def rows(case):
         directory = os.path.join(arguments.output, case)
         if not arguments.table:
             again = ["-restart", "auto", "-sensitivity", "-output", directory]
             run(arguments.program, arguments.ranks, [*cases.command(case), *again, *arguments.rest])
-        try:
-            print_line([cases[case]["what"], *figures(directory)])
-        except (RunError, OSError) as error:
-            if not arguments.table:
-                raise
-            print(f"{case}: {error}", file=sys.stderr)
+        yield figures(directory)
+    print_cases(arguments, cases, HEAD, rows)
 
 
 def parser_of_cases(documentation, name):
@@ -69,6 +64,20 @@ def rounds_of(cases, name, arguments):
     """Rounds of the case: its config and settings, in the folder that has its name."""
     own = {"config": cases.config(name), "output": os.path.join(arguments.output, name)}
     return Rounds(argparse.Namespace(**vars(arguments) | own), cases[name]["set"], may_run=not arguments.table)
+
+
+def print_cases(arguments, cases, head, rows):
+    """Prints a table: what a case is, and each of its rows(name). With --table, it ends where its runs do."""
+    print_line(head)
+    print_line(["---"] * len(head))
+    for name in arguments.names or cases.table:
+        try:
+            for row in rows(name):
+                print_line([cases[name]["what"], *row])
+        except (RunError, OSError) as error:
+            if not arguments.table:
+                raise
+            print(f"{name}: {error}", file=sys.stderr)
 
 
 def print_line(cells):

@@ -18,9 +18,9 @@ import os
 import sys
 
 import needs_packages  # noqa: F401 (before any package)
-from fabseq_tools.run.command_line import RunError, run_script
+from fabseq_tools.run.command_line import run_script
 
-from built import THINNER, gains_of, gains_with_thinner_layers, parse_cases, parser_of_cases, print_line, rounds_of
+from built import THINNER, gains_of, gains_with_thinner_layers, parse_cases, parser_of_cases, print_cases, rounds_of
 from fabseq_tools.study.compare_families import FIRST, add_scan
 from fabseq_tools.study.comparison import Comparison
 from fabseq_tools.study.figures import COLUMNS, cells, headings
@@ -34,16 +34,8 @@ def main():
     parser.add_argument("--thinner", action="store_true", help="the table of thinner layers")
     arguments, cases = parse_cases(parser)
     head = ["part", "gain", *THINNER] if arguments.thinner else ["part", FIRST[1], *headings(SHOWN)]
-    print_line(head)
-    print_line(["---"] * len(head))
-    for name in arguments.names or cases.table:
-        try:
-            for row in (thinner if arguments.thinner else kinds)(comparison(cases, name, arguments), arguments):
-                print_line([cases[name]["what"], *row])
-        except RunError as error:
-            if not arguments.table:
-                raise
-            print(f"{name}: {error}", file=sys.stderr)
+    rows = thinner if arguments.thinner else kinds
+    print_cases(arguments, cases, head, lambda name: rows(comparison(cases, name, arguments), arguments))
 
 
 def kinds(comparison, arguments):

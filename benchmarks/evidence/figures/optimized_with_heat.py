@@ -15,12 +15,11 @@ runs nothing.
 """
 
 import os
-import sys
 
 import needs_packages  # noqa: F401 (before any package)
-from fabseq_tools.run.command_line import RunError, run_script
+from fabseq_tools.run.command_line import run_script
 
-from built import parse_cases, parser_of_cases, print_line, rounds_of
+from built import parse_cases, parser_of_cases, print_cases, rounds_of
 from fabseq_tools.run.check_words import inner, result_of
 from fabseq_tools.run.words import number
 from fabseq_tools.study.comparison import BINARY
@@ -32,19 +31,13 @@ NO_HEAT = {"thermal.vanishing": 1e30}
 
 def main():
     arguments, cases = parse_cases(parser_of_cases(__doc__, "heat"))
-    print_line(HEAD)
-    print_line(["---"] * len(HEAD))
-    for name in arguments.names or cases.table:
-        case = cases[name]
+
+    def rows(name):
         rounds = rounds_of(cases, name, arguments)
-        try:
-            for pause in case["pauses"]:
-                for layers, run in judged(rounds, pause, case.get("limit", {})):
-                    print_line([case["what"], f"{pause}", layers, *figures(run)])
-        except RunError as error:
-            if not arguments.table:
-                raise
-            print(f"{name}: {error}", file=sys.stderr)
+        for pause in cases[name]["pauses"]:
+            for layers, run in judged(rounds, pause, cases[name].get("limit", {})):
+                yield [f"{pause}", layers, *figures(run)]
+    print_cases(arguments, cases, HEAD, rows)
 
 
 def judged(rounds, pause, limit):

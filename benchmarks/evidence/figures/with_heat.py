@@ -4,10 +4,10 @@
 
     figures/with_heat.py [CASE...] [--output output/with_heat] [--table] [--picture FILE]
 
-Cases are those of CASES, default: all. Each is built three times: in planar layers, in tilted layers or those
-of the start, and in layers optimized for the linear model, all binary. CalculiX (calculix-ccx, ccx 2.20)
-first finds the temperatures, then the displacement of elastic, plastic steel that shrinks from the solidus,
-and of its release, with two types of brick. fabseq simulates the same layers
+CASES names the parts; without a name all are run. Each part is built three times: in planar layers, in
+tilted layers or the start design's, and in layers optimized for the linear model, all binary. CalculiX
+(calculix-ccx, ccx 2.20) first finds the temperatures, then the displacement of elastic, plastic steel that
+shrinks from the solidus, and of its release, with two types of brick. fabseq simulates the same layers
 
 - with plastic flow (process.model elastoplastic), the steel's curves and no factor; with two values of
   cut_off, and on elements of half the size,
