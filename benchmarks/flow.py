@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Seconds, sweeps and memory of a process with plastic flow over those of the linear one, in one go:
+"""Times plastic flow against the linear process in one run: seconds, sweeps and memory.
 
     benchmarks/flow.py benchmarks/v_shape.json [--yield-stress 0.0015] [--hardening 0.01] [--ranks 1]
     [-- OPTIONS OF THE PROGRAM]

@@ -47,7 +47,7 @@ void add_end_derivatives(const ElasticModel<Dim>& model, const std::vector<Build
   to.ends.resize(2 * static_cast<std::size_t>(steps.back().layer + 1) * nodes, 0.0);
   for (std::size_t number = 0; number + 1 < steps.size(); ++number) {
     const std::vector<double> of_nodes =
-        spread_to_corners(model.part.grid(), model.domain.first_corners, derivative[number]);
+        spread_to_corners(model.part.grid(), model.domain.first_corners, derivative[number], 1.0);
     const std::size_t end = 2 * static_cast<std::size_t>(steps[number].layer) + (steps[number].adds ? 0 : 1);
     for (std::size_t node = 0; node < nodes; ++node) to.ends[end * nodes + node] += of_nodes[node];
   }

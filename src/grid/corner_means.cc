@@ -18,11 +18,12 @@ std::vector<double> corner_means(const Grid<Dim>& grid, std::span<const int> fir
 
 template <int Dim>
 std::vector<double> spread_to_corners(const Grid<Dim>& grid, std::span<const int> first_corners,
-                                      std::span<const double> values) {
+                                      std::span<const double> values, double factor) {
   std::vector<double> ghosted(static_cast<std::size_t>(grid.ghosted_nodes().count()), 0.0);
+  const double of_corner = factor / corner_count<Dim>;
   for (std::size_t e = 0; e < values.size(); ++e)
     for (const int offset : grid.corner_offsets())
-      ghosted[first_corners[e] + offset] += values[e] / corner_count<Dim>;
+      ghosted[first_corners[e] + offset] += of_corner * values[e];
   std::vector<double> result(static_cast<std::size_t>(grid.owned_nodes().count()), 0.0);
   grid.exchange(1).add_to_owned(ghosted, result);
   return result;

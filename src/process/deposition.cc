@@ -61,6 +61,14 @@ typename Deposition<Dim>::Missing Deposition<Dim>::missing(const std::vector<dou
 }
 
 template <int Dim>
+std::vector<typename Deposition<Dim>::Missing> Deposition<Dim>::missing(
+    const LayerDensities& densities, std::span<const BuildStep> steps) const {
+  std::vector<Missing> result;
+  for (const BuildStep& step : steps) result.push_back(missing(densities.stage[step.layer]));
+  return result;
+}
+
+template <int Dim>
 LaneVector Deposition<Dim>::weights(const LayerDensities& densities, std::span<const BuildStep> steps,
                                     std::span<const int> nodes) const {
   LaneVector result(static_cast<int>(nodes.size()), 1, static_cast<int>(steps.size()));

@@ -8,10 +8,8 @@ namespace fabseq {
 
 template <int Dim>
 std::size_t ElasticAdjoint<Dim>::begin(std::size_t block) {
-  missing_.clear();
   if (run_.deposition != nullptr)
-    for (const BuildStep& step : run_.result.steps_of(block))
-      missing_.push_back(run_.deposition->missing(run_.densities.stage[step.layer]));
+    missing_ = run_.deposition->missing(run_.densities, run_.result.steps_of(block));
   solved_.clear();
   for (std::size_t i = 0; i < functionals_.size(); ++i) {
     if (loads_.any(i, run_.result.blocks[block]))

@@ -15,7 +15,7 @@ constexpr std::size_t step_size = static_cast<std::size_t>(ElementModes::compone
 }  // namespace
 
 std::vector<int> PlasticAdjoint::run(std::span<const ProcessAdjoint> functionals,
-                                     std::span<const ProcessDerivatives> derivatives, const PlasticStop& stop,
+                                     std::span<const ProcessDerivatives> derivatives, double change,
                                      std::span<std::vector<LaneVector>> unknowns) {
   const std::vector<PlasticWave>& waves = forward_.waves();
   std::vector<int> result(forward_.input().steps.size(), 0);
@@ -37,7 +37,7 @@ std::vector<int> PlasticAdjoint::run(std::span<const ProcessAdjoint> functionals
         for (std::size_t i = 0; i < left.values.size(); ++i) left.values[i] += added.values[i];
         if (wave.block && forward_.input().heated()) subtract_next(stiffness, left);
       };
-      const int sweeps = forward_.iteration().solve(own, forces, /*adjoint=*/true, stop);
+      const int sweeps = forward_.iteration().solve(own, forces, /*adjoint=*/true, change);
       if (!wave.release)
         std::for_each_n(result.begin() + wave.first, wave.count,
                         [sweeps](int& most) { most = std::max(most, sweeps); });

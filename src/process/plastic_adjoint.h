@@ -24,7 +24,7 @@ class PlasticAdjoint {
   /// functionals. `unknowns`: [functional][wave], from which sweeps begin and with which they end; empty:
   /// from zero, and they are not kept. Throws NumericalError if there would be too many sweeps.
   std::vector<int> run(std::span<const ProcessAdjoint> functionals,
-                       std::span<const ProcessDerivatives> derivatives, const PlasticStop& stop,
+                       std::span<const ProcessDerivatives> derivatives, double change,
                        std::span<std::vector<LaneVector>> unknowns);
 
  private:

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <optional>
 
 namespace fabseq {
 
@@ -46,7 +47,8 @@ void PlasticExchange::run(const PlasticWave& wave, std::span<const LaneVector* c
   std::vector<std::vector<double>> blocks(lanes > 0 ? 1 : 0);
   histories_.resize(fields.size());
   for (const PlasticBatches::Chunk& chunk : batches_.chunks()) {
-    const StepTranspose transpose(groups_, wave.deal, chunk.end - chunk.begin, components);
+    std::optional<StepTranspose> transpose;
+    if (!alone) transpose.emplace(groups_, wave.deal, chunk.end - chunk.begin, components);
     const std::size_t size = chunk.batches() * wave.count * components * plastic_width;
     for (std::size_t k = 0; k < fields.size(); ++k) {
       if (lanes > 0) set_modes(chunk, ghosted[k], lanes, blocks.front());
@@ -60,7 +62,7 @@ void PlasticExchange::run(const PlasticWave& wave, std::span<const LaneVector* c
         for_each_place(chunk.count, lanes, components * lanes, lanes, 1, copy(blocks.front()));
       else
         for_each_place(chunk.count, wave.count, components * wave.count, 1, components,
-                       copy(transpose.to_histories(blocks)));
+                       copy(transpose->to_histories(blocks)));
     }
     if (forces != nullptr) forces_of_chunk_.resize(size);
     work(chunk, histories_, forces_of_chunk_);
@@ -72,7 +74,7 @@ void PlasticExchange::run(const PlasticWave& wave, std::span<const LaneVector* c
       add_forces(chunk, values_, lanes, ghosted_forces);
     } else {
       for_each_place(chunk.count, wave.count, components * wave.count, 1, components, copy);
-      const auto own = transpose.to_blocks(values_);
+      const auto own = transpose->to_blocks(values_);
       if (lanes > 0) add_forces(chunk, own.front(), lanes, ghosted_forces);
     }
   }

@@ -13,6 +13,7 @@ namespace fabseq {
 namespace {
 
 constexpr std::size_t depth = 5;  ///< of Anderson's method
+constexpr int most_sweeps = 300;  ///< over a wave
 /// Closeness of the solves of a sweep: within reach of it from the start, so that each takes one step,
 /// unmeasured. Closer ones save no sweeps (docs/developer/experiments.md).
 constexpr SolveTolerance one_step{0.5, 4.0};
@@ -26,11 +27,14 @@ void PlasticIteration::set_wave(const PlasticWave& wave, bool changed) {
   systems_.set_tolerance(one_step);
   if (release_ != nullptr) release_->set_tolerance(of_release);
   systems_.groups().run([&] {
+    std::vector<double> stiffness;
     if (wave_.block)
-      systems_.set_operators(
+      stiffness = systems_.set_operators(
           input_.densities, *wave_.block, changed,
-          [this](const BlockRegion& block, std::span<double> stiffness) { scale(block, stiffness); });
-    set_weights();
+          [this](const BlockRegion& block, std::span<double> factors) { scale(block, factors); });
+    else if (wave_.release)
+      stiffness = systems_.model().finished_stiffness();
+    set_weights(stiffness);
   });
 }
 
@@ -44,19 +48,11 @@ void PlasticIteration::scale(const BlockRegion& block, std::span<double> stiffne
   }
 }
 
-void PlasticIteration::set_weights() {
+void PlasticIteration::set_weights(std::span<const double> stiffness) {
   const std::vector<int>& nodes = systems_.model().nodes;
   const int lanes = wave_.lanes(systems_.groups().index());
   weights_.resize(nodes.size() * 3 * lanes);
   if (lanes == 0) return;
-  std::vector<double> stiffness;
-  if (wave_.release) {
-    stiffness = systems_.model().finished_stiffness();
-  } else {
-    const BlockRegion& region = systems_.blocks()[*wave_.block];
-    stiffness = systems_.elements().stiffness(input_.densities, region);
-    scale(region, stiffness);
-  }
   const LaneVector nodal = systems_.elements().at_nodes(stiffness, lanes);
   auto to = weights_.begin();
   for (const int node : nodes)
@@ -83,11 +79,10 @@ void PlasticIteration::correct(LaneVector& forces, bool adjoint, LaneVector& ste
   });
 }
 
-int PlasticIteration::solve(LaneVector& unknowns, const Forces& forces, bool adjoint,
-                            const PlasticStop& stop) {
+int PlasticIteration::solve(LaneVector& unknowns, const Forces& forces, bool adjoint, double change) {
   Anderson anderson(systems_.groups().world(), depth, weights_);
   LaneVector step;
-  for (int sweep = 1; sweep <= stop.most; ++sweep) {
+  for (int sweep = 1; sweep <= most_sweeps; ++sweep) {
     {
       LaneVector left;
       forces(unknowns, left);
@@ -96,13 +91,13 @@ int PlasticIteration::solve(LaneVector& unknowns, const Forces& forces, bool adj
     const Anderson::Norms norms = anderson.advance(unknowns.values, step.values);
     const double all_square = square_ + norms.x * norms.x;
     if (!std::isfinite(norms.step + norms.x)) break;
-    if (norms.step > stop.change * std::sqrt(all_square)) continue;
+    if (norms.step > change * std::sqrt(all_square)) continue;
     square_ = all_square;
     return sweep;
   }
   throw NumericalError(formatted("%s: sweeps do not bring %s to changes of %g",
                                  wave_.release ? "release" : "process",
-                                 adjoint ? "its adjoint displacements" : "displacements", stop.change));
+                                 adjoint ? "its adjoint displacements" : "displacements", change));
 }
 
 }  // namespace fabseq

@@ -8,15 +8,10 @@
 #include "process/plastic_wave.h"
 
 #include <functional>
+#include <span>
 #include <vector>
 
 namespace fabseq {
-
-/// End of sweeps.
-struct PlasticStop {
-  double change = 1e-7;  ///< of a wave's unknowns in a sweep, relative to those of all waves so far
-  int most = 300;        ///< sweeps of a wave
-};
 
 /// Sweeps over a wave until its unknowns hardly change: forces that are left in the steps, found with the
 /// plastic history of all elements, are taken to corrections by elastic solves, which Anderson's method
@@ -33,14 +28,16 @@ class PlasticIteration {
   /// Finds the forces that unknowns leave, on all owned nodes; unknowns are on the model's nodes, of this
   /// group's steps.
   using Forces = std::function<void(const LaneVector& unknowns, LaneVector& forces)>;
-  /// Improves the unknowns; returns the number of sweeps. `adjoint`: whether they are adjoint displacements.
-  /// Throws NumericalError if there would be too many.
-  int solve(LaneVector& unknowns, const Forces& forces, bool adjoint, const PlasticStop& stop);
+  /// Improves the unknowns until a sweep changes them by at most this share of the unknowns of all waves so
+  /// far; returns the number of sweeps. `adjoint`: whether they are adjoint displacements. Throws
+  /// NumericalError if there would be too many.
+  int solve(LaneVector& unknowns, const Forces& forces, bool adjoint, double change);
   /// Begins with the first wave: changes are relative to all unknowns from here on.
   void start_over() { square_ = 0.0; }
 
  private:
-  void set_weights();
+  /// `stiffness`: of the wave, [element][lane].
+  void set_weights(std::span<const double> stiffness);
   void scale(const BlockRegion& block, std::span<double> stiffness) const;
   void correct(LaneVector& forces, bool adjoint, LaneVector& step);
 

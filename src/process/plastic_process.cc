@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/process/plastic_process.h"
 
-#include "fabseq/base/formatted.h"
 #include "process/plastic_adjoint.h"
 #include "process/plastic_sweeps.h"
 #include "process/step_results.h"
@@ -49,14 +48,12 @@ const ProcessResult& PlasticProcess::simulate(const ProcessInput<3>& input) {
       systems_, release_.get(),
       PlasticInput{input.densities, systems_.steps(), input.temperatures, input.strains});
   forward_->start_from(std::move(before));
-  result_.iterations = forward_->run({.change = tolerance_.flow_change()});
-  sweeps_ = *std::ranges::max_element(result_.iterations);
+  result_.iterations = forward_->run(tolerance_.flow_change());
   set_steps(systems_, result_);
   result_.increments = forward_->increments();
   groups().run([&] {
-    for (std::size_t block = 0; block < result_.increments.size(); ++block) {
+    for (std::size_t block = 0; block < result_.increments.size(); ++block)
       count_block(deposition_.get(), input.densities, block, result_);
-    }
   });
   sum_displacements(groups(), result_);
   result_.release = forward_->release();
@@ -74,55 +71,47 @@ void PlasticProcess::pull_back(const LayerDensities& densities, std::span<const 
   }
   keep_adjoints(functionals.size());
   PlasticAdjoint adjoint(*forward_, result_);
-  adjoint_iterations_ =
-      adjoint.run(functionals, derivatives, {.change = tolerance_.flow_change()}, adjoints_);
-  groups().run([&] {
-    for (std::size_t k = 0; k < functionals.size(); ++k)
-      add_weight_derivatives(densities, functionals[k], derivatives[k]);
-  });
+  adjoint_iterations_ = adjoint.run(functionals, derivatives, tolerance_.flow_change(), adjoints_);
+  groups().run([&] { add_weight_derivatives(densities, functionals, derivatives); });
 }
 
 /// Makes room for the adjoints of so many functionals, zero unless there were as many of the same steps.
 void PlasticProcess::keep_adjoints(std::size_t functionals) {
-  const auto fits = [&](const std::vector<LaneVector>& waves) {
-    bool result = waves.size() == forward_->waves().size();
-    for (std::size_t wave = 0; result && wave < waves.size(); ++wave)
-      result = waves[wave].lanes == forward_->unknowns(wave).lanes;
-    return result;
-  };
-  if (functionals > most_kept) {
+  const auto fits = [this](const std::vector<LaneVector>& waves) { return forward_->fits(waves); };
+  if (functionals > most_kept)
     adjoints_.clear();
-  } else if (adjoints_.size() != functionals || !std::ranges::all_of(adjoints_, fits)) {
-    adjoints_.assign(functionals, {});
-    for (std::vector<LaneVector>& waves : adjoints_)
-      for (std::size_t wave = 0; wave < forward_->waves().size(); ++wave)
-        waves.emplace_back(forward_->unknowns(wave).nodes, 3, forward_->unknowns(wave).lanes);
-  }
+  else if (adjoints_.size() != functionals || !std::ranges::all_of(adjoints_, fits))
+    adjoints_.assign(functionals, forward_->zero_unknowns());
 }
 
 /// Adds what comes through the weights of this group's steps.
-void PlasticProcess::add_weight_derivatives(const LayerDensities& densities, const ProcessAdjoint& functional,
-                                            const ProcessDerivatives& to) const {
-  if (!deposition_) return;
-  for (std::size_t block = 0; block < result_.blocks.size(); ++block) {
-    std::vector<Deposition<3>::Missing> missing;
-    for (const BuildStep& step : result_.steps_of(block))
-      missing.push_back(deposition_->missing(densities.stage[step.layer]));
-    deposition_->add_derivatives(missing, result_.steps_of(block), result_.nodes[block],
-                                 weight_derivatives(functional, result_, block, result_.increments[block]),
-                                 *to.densities);
-    if (to.sink != nullptr) to.sink->flush();
+void PlasticProcess::add_weight_derivatives(const LayerDensities& densities,
+                                            std::span<const ProcessAdjoint> functionals,
+                                            std::span<const ProcessDerivatives> derivatives) const {
+  for (std::size_t block = 0; deposition_ && block < result_.blocks.size(); ++block) {
+    const std::vector<Deposition<3>::Missing> missing =
+        deposition_->missing(densities, result_.steps_of(block));
+    for (std::size_t k = 0; k < functionals.size(); ++k) {
+      deposition_->add_derivatives(
+          missing, result_.steps_of(block), result_.nodes[block],
+          weight_derivatives(functionals[k], result_, block, result_.increments[block]),
+          *derivatives[k].densities);
+      if (derivatives[k].sink != nullptr) derivatives[k].sink->flush();
+    }
   }
 }
 
 void PlasticProcess::start_cold() {
   Process<3>::start_cold();
-  forward_.reset();
-  adjoints_.clear();
+  forget();
 }
 
 void PlasticProcess::release_memory() {
   Process<3>::release_memory();
+  forget();
+}
+
+void PlasticProcess::forget() {
   forward_.reset();
   adjoints_.clear();
 }

@@ -24,15 +24,23 @@ PlasticSweeps::PlasticSweeps(StepSystems<3>& systems, Release<3>* release, const
       iteration_(systems, release, input_, material_.curves()),
       waves_(plastic_waves(systems, release != nullptr)),
       starts_(waves_.size() + 1) {
-  for (const PlasticWave& wave : waves_)
-    unknowns_.emplace_back(static_cast<int>(systems.model().nodes.size()), 3,
-                           wave.lanes(systems.groups().index()));
+  unknowns_ = zero_unknowns();
   starts_.front() = material_.start();
 }
 
+std::vector<LaneVector> PlasticSweeps::zero_unknowns() const {
+  std::vector<LaneVector> result;
+  for (const PlasticWave& wave : waves_)
+    result.emplace_back(static_cast<int>(systems_.model().nodes.size()), 3, wave.lanes(groups().index()));
+  return result;
+}
+
+bool PlasticSweeps::fits(const std::vector<LaneVector>& unknowns) const {
+  return std::ranges::equal(unknowns_, unknowns, {}, &LaneVector::lanes, &LaneVector::lanes);
+}
+
 void PlasticSweeps::start_from(std::vector<LaneVector> unknowns) {
-  const auto as_many = [](const LaneVector& a, const LaneVector& b) { return a.lanes == b.lanes; };
-  if (std::ranges::equal(unknowns_, unknowns, as_many)) unknowns_ = std::move(unknowns);
+  if (fits(unknowns)) unknowns_ = std::move(unknowns);
 }
 
 void PlasticSweeps::set_wave(std::size_t wave, bool changed) {
@@ -40,46 +48,38 @@ void PlasticSweeps::set_wave(std::size_t wave, bool changed) {
   iteration_.set_wave(waves_[wave], changed);
 }
 
-std::vector<int> PlasticSweeps::run(const PlasticStop& stop) {
+std::vector<int> PlasticSweeps::run(double change) {
   std::vector<int> result(input_.steps.size(), 0);
   iteration_.start_over();
   for (std::size_t wave = 0; wave < waves_.size(); ++wave) {
     set_wave(wave, /*changed=*/true);
     const auto forces = [&](const LaneVector& unknowns, LaneVector& left) {
-      find_forces(wave, unknowns, left);
+      go_through(wave, unknowns, &left, nullptr);
     };
-    const int sweeps = iteration_.solve(unknowns_[wave], forces, /*adjoint=*/false, stop);
+    const int sweeps = iteration_.solve(unknowns_[wave], forces, /*adjoint=*/false, change);
     if (!waves_[wave].release) std::fill_n(result.begin() + waves_[wave].first, waves_[wave].count, sweeps);
-    advance(wave);
+    starts_[wave + 1].resize(batches_.count());
+    go_through(wave, unknowns_[wave], nullptr, &starts_[wave + 1]);
   }
   systems_.save_memory();
   return result;
 }
 
-void PlasticSweeps::find_forces(std::size_t wave, const LaneVector& unknowns, LaneVector& forces) const {
+/// Takes the states before a wave through it.
+void PlasticSweeps::go_through(std::size_t wave, const LaneVector& unknowns, LaneVector* forces,
+                               std::vector<PlasticPoint>* behind) const {
   const LaneVector* field = &unknowns;
   const std::size_t size = waves_[wave].count * step_size;
-  exchange_.run(waves_[wave], {&field, 1}, &forces,
+  exchange_.run(waves_[wave], {&field, 1}, forces,
                 [&](const PlasticBatches::Chunk& chunk, std::span<const std::vector<double>> histories,
                     std::vector<double>& of_chunk) {
                   for (std::size_t b = 0; b < chunk.batches(); ++b) {
-                    PlasticPoint point = starts_[wave][chunk.batch + b];
-                    history_.run(waves_[wave], chunk.batch + b, &histories[0][b * size], &of_chunk[b * size],
-                                 point);
+                    const std::size_t batch = chunk.batch + b;
+                    PlasticPoint point = starts_[wave][batch];
+                    history_.run(waves_[wave], batch, &histories[0][b * size],
+                                 forces != nullptr ? &of_chunk[b * size] : nullptr, point);
+                    if (behind != nullptr) (*behind)[batch] = point;
                   }
-                });
-}
-
-void PlasticSweeps::advance(std::size_t wave) {
-  const LaneVector* field = &unknowns_[wave];
-  const std::size_t size = waves_[wave].count * step_size;
-  starts_[wave + 1] = starts_[wave];
-  exchange_.run(waves_[wave], {&field, 1}, nullptr,
-                [&](const PlasticBatches::Chunk& chunk, std::span<const std::vector<double>> histories,
-                    std::vector<double>& /*forces*/) {
-                  for (std::size_t b = 0; b < chunk.batches(); ++b)
-                    history_.run(waves_[wave], chunk.batch + b, &histories[0][b * size], nullptr,
-                                 starts_[wave + 1][chunk.batch + b]);
                 });
 }
 

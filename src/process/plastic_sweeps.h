@@ -35,11 +35,14 @@ class PlasticSweeps {
 
   /// Gives the unknowns of all waves away.
   std::vector<LaneVector> take_unknowns() { return std::move(unknowns_); }
-  /// Begins with the unknowns of other sweeps, if these have as many.
+  /// Begins with the unknowns of other sweeps, if they fit.
   void start_from(std::vector<LaneVector> unknowns);
-  /// Iterates all waves. Returns the number of sweeps of each step. Throws NumericalError if there would be
-  /// too many.
-  std::vector<int> run(const PlasticStop& stop);
+  /// Unknowns of all waves, zero; and whether those of others are of as many steps.
+  std::vector<LaneVector> zero_unknowns() const;
+  bool fits(const std::vector<LaneVector>& unknowns) const;
+  /// Iterates all waves to this change (PlasticIteration::solve()). Returns the number of sweeps of each
+  /// step. Throws NumericalError if there would be too many.
+  std::vector<int> run(double change);
 
   /// Increments of the steps of this group's blocks, on the model's nodes.
   std::vector<LaneVector> increments() const;
@@ -66,9 +69,8 @@ class PlasticSweeps {
 
  private:
   std::size_t step_waves() const { return waves_.size() - (waves_.back().release ? 1 : 0); }
-  void find_forces(std::size_t wave, const LaneVector& unknowns, LaneVector& forces) const;
-  /// Sets the states behind a wave.
-  void advance(std::size_t wave);
+  void go_through(std::size_t wave, const LaneVector& unknowns, LaneVector* forces,
+                  std::vector<PlasticPoint>* behind) const;
   PlasticState state(const std::vector<PlasticPoint>& points) const;
 
   StepSystems<3>& systems_;

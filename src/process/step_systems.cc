@@ -89,11 +89,11 @@ typename StepSystems<Dim>::Place StepSystems<Dim>::place_of(int step) const {
 
 template <int Dim>
 std::vector<int> StepSystems<Dim>::solve(const LayerDensities& densities, SolvePurpose purpose,
-                                         StepLoads& loads, const ScaleStiffness& scale) {
+                                         StepLoads& loads) {
   Workspace workspace{{}, {}, SolveCount(steps_.size())};
   groups_.run([&] {
     for (std::size_t block = 0; block < blocks_.size(); ++block)
-      solve_block(densities, block, purpose, loads, scale, workspace);
+      solve_block(densities, block, purpose, loads, workspace);
   });
   save_memory();
   SolveCount& count = workspace.count;
@@ -106,12 +106,12 @@ std::vector<int> StepSystems<Dim>::solve(const LayerDensities& densities, SolveP
 
 template <int Dim>
 void StepSystems<Dim>::solve_block(const LayerDensities& densities, std::size_t block, SolvePurpose purpose,
-                                   StepLoads& loads, const ScaleStiffness& scale, Workspace& workspace) {
+                                   StepLoads& loads, Workspace& workspace) {
   BlockRegion& region = blocks_[block];
   if (built_ && purpose == SolvePurpose::forward) region = built_->of(densities, region.block, region.steps);
   const std::size_t all = loads.begin(block);
   if (all == 0) return;
-  set_operators(densities, block, /*changed=*/purpose == SolvePurpose::forward, scale);
+  (void)set_operators(densities, block, /*changed=*/purpose == SolvePurpose::forward);
   const std::size_t at_once = std::min(all, solver_->sets_at_once());
   workspace.loads.resize(at_once);
   workspace.solutions.resize(at_once);
@@ -133,12 +133,13 @@ void StepSystems<Dim>::solve_block(const LayerDensities& densities, std::size_t 
 }
 
 template <int Dim>
-void StepSystems<Dim>::set_operators(const LayerDensities& densities, std::size_t block, bool changed,
-                                     const ScaleStiffness& scale) {
+std::vector<double> StepSystems<Dim>::set_operators(const LayerDensities& densities, std::size_t block,
+                                                    bool changed, const ScaleStiffness& scale) {
   const BlockRegion& region = blocks_[block];
   std::vector<double> stiffness = elements_.stiffness(densities, region);
   if (scale) scale(region, stiffness);
   solver_->set_operators(region.block.first, region.block.lanes, stiffness, changed);
+  return stiffness;
 }
 
 template <int Dim>

@@ -105,12 +105,7 @@ std::vector<double> ThermalModel<Dim>::sum_of(std::span<const double> ghosted) c
 template <int Dim>
 std::vector<double> ThermalModel<Dim>::lumped(std::span<const int> corners,
                                               std::span<const double> of_elements, double factor) const {
-  const Grid<Dim>& grid = part.grid();
-  std::vector<double> ghosted(static_cast<std::size_t>(grid.ghosted_nodes().count()), 0.0);
-  const double of_corner = factor / corner_count<Dim>;
-  for (std::size_t e = 0; e < of_elements.size(); ++e)
-    for (const int corner : grid.corner_offsets()) ghosted[corners[e] + corner] += of_corner * of_elements[e];
-  return sum_of(ghosted);
+  return spread_to_corners(part.grid(), corners, of_elements, factor);
 }
 
 template <int Dim>

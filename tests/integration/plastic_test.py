@@ -18,8 +18,9 @@ def flowing(yield_stress, heated=False):
     config["objective"][1]["after_release"] = True
     if heated:
         config["process"].update({"deposition_rate": 2.5, "dwell": 60})
-        config["material"].update({"mass_density": 7.85, "temperatures": [20, 600, 1200], "young_factors": [1, 0.5, 0.05],
-                                   "yield_factors": [1, 0.4, 0.03], "elongations": [0, 0.008, 0.016], "cut_off": 1100})
+        config["material"].update({"mass_density": 7.85, "temperatures": [20, 600, 1200],
+                                   "young_factors": [1, 0.5, 0.05], "yield_factors": [1, 0.4, 0.03],
+                                   "elongations": [0, 0.008, 0.016], "cut_off": 1100})
         config["thermal"] = {"conductivity": 30, "heat_capacity": 600, "heat_input": 1e6, "vanishing": 1200}
     return config
 
@@ -70,8 +71,8 @@ class PlasticTest(FabseqTest):
             expected = self.values(1, config)
             for ranks, groups, lanes in ((1, 1, 2), (2, 1, 8), (2, 2, 8), (4, 2, 4)):
                 with self.subTest(heated=heated, ranks=ranks, groups=groups, lanes=lanes):
-                    self.assert_same(self.values(ranks, config, "-layer_groups", groups, "-set", f"solver.lanes={lanes}"),
-                                     expected, 1e-8)
+                    options = "-layer_groups", groups, "-set", f"solver.lanes={lanes}"
+                    self.assert_same(self.values(ranks, config, *options), expected, 1e-8)
 
     def test_a_part_that_is_turned_in_the_box(self):
         for heated, ranks in itertools.product(distinct(False, True), (1,)):

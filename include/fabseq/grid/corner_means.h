@@ -14,10 +14,10 @@ template <int Dim>
 std::vector<double> corner_means(const Grid<Dim>& grid, std::span<const int> first_corners,
                                  std::span<const double> field);
 
-/// The transpose: to a field, [owned node], each element adds its value over the number of its corners.
-/// Collective on the grid's communicator.
+/// The transpose, times a factor: to a field, [owned node], each element adds its value over the number of
+/// its corners. Collective on the grid's communicator.
 template <int Dim>
 std::vector<double> spread_to_corners(const Grid<Dim>& grid, std::span<const int> first_corners,
-                                      std::span<const double> values);
+                                      std::span<const double> values, double factor);
 
 }  // namespace fabseq

@@ -22,8 +22,8 @@ struct RunSize {
   double cores_per_rank = 1.0;  ///< at most 1 (NodeCores::per_rank())
 };
 
-/// Whether the optimizer gets the functionals of a term that is a sum of squares: where the material flows
-/// each costs sweeps of its own, so only those that are asked for.
+/// Whether the optimizer gets a term as its squares. Where the material flows each square costs an adjoint:
+/// then the user has to ask for them.
 template <int Dim>
 bool takes_squares(const ModelSettings& settings, const SumOfSquares<Dim>& squares) {
   return settings.process.model == ProcessModel::linear || squares.asked_for;

@@ -34,6 +34,8 @@ class Deposition {
   /// functionals.
   using Missing = std::vector<double>;
   Missing missing(const std::vector<double>& stage) const;
+  /// The same of the layers of some steps.
+  std::vector<Missing> missing(const LayerDensities& densities, std::span<const BuildStep> steps) const;
   /// Adds dJ/drho_j,e of a functional with these dJ/dw, in the form of weights(). `missing`: that of
   /// the steps' layers.
   void add_derivatives(const std::vector<Missing>& missing, std::span<const BuildStep> steps,

@@ -10,7 +10,6 @@
 
 namespace fabseq {
 
-class PlasticAdjoint;
 class PlasticSweeps;
 
 /// The layer-by-layer simulation of a material that flows, and whose modulus, yield stress and length follow
@@ -28,8 +27,8 @@ class PlasticProcess : public Process<3> {
                  const LayerGroups& groups, BlockSolver blocks, int lanes = widest_block);
   ~PlasticProcess() override;
 
-  /// Simulates until the displacements change by less than a tenth of the tolerance. Throws NumericalError if
-  /// the sweeps do not converge. Inherent strains count where there are no temperatures.
+  /// Simulates until sweeps change the displacements by at most SolveTolerance::flow_change(). Throws
+  /// NumericalError if the sweeps do not converge. Inherent strains count where there are no temperatures.
   const ProcessResult& simulate(const ProcessInput<3>& input) override;
   /// Solves an adjoint for each functional. Throws NumericalError if its sweeps do not converge.
   void pull_back(const LayerDensities& densities, std::span<const ProcessAdjoint> functionals,
@@ -44,19 +43,18 @@ class PlasticProcess : public Process<3> {
   /// Later simulations begin from zero displacements.
   void start_cold() override;
   std::string description() const override;
-  /// Sweeps of the last simulation. Local.
-  int sweeps() const { return sweeps_; }
 
  private:
-  void add_weight_derivatives(const LayerDensities& densities, const ProcessAdjoint& functional,
-                              const ProcessDerivatives& to) const;
+  void add_weight_derivatives(const LayerDensities& densities, std::span<const ProcessAdjoint> functionals,
+                              std::span<const ProcessDerivatives> derivatives) const;
   void keep_adjoints(std::size_t functionals);
+  /// Later simulations and adjoints begin from zero.
+  void forget();
 
   std::unique_ptr<PlasticSweeps> forward_;  ///< that have found the last result
   std::vector<std::vector<LaneVector>>
       adjoints_;  ///< of the last functionals, [functional][wave]; empty: not kept
   SolveTolerance tolerance_;
-  int sweeps_ = 0;
   LockedIn built_, released_;
 };
 

@@ -32,9 +32,8 @@ class StepLoads {
   virtual void end(std::size_t /*block*/) {}
 };
 
-/// What the systems are solved for: after a change of the densities, once more with the same ones, or for
-/// adjoints.
-enum class SolvePurpose { forward, correction, adjoint };
+/// What the systems are solved for: after a change of the densities, or for adjoints.
+enum class SolvePurpose { forward, adjoint };
 
 /// Changes the stiffness factors of the systems of a block, [element][lane].
 using ScaleStiffness = std::function<void(const BlockRegion& block, std::span<double> stiffness)>;
@@ -82,13 +81,13 @@ class StepSystems {
   /// Solves the systems of this group's blocks for all their right-hand sides, as many at a time as the
   /// solver can use; the operators of a block are set up once. Returns the iterations of each step, all of
   /// them, the largest of its sides. Throws NumericalError naming the layer if a system does not converge.
-  /// `scale`: changes the stiffness that follows from the densities, if given.
-  std::vector<int> solve(const LayerDensities& densities, SolvePurpose purpose, StepLoads& loads,
-                         const ScaleStiffness& scale = {});
+  std::vector<int> solve(const LayerDensities& densities, SolvePurpose purpose, StepLoads& loads);
   /// Makes the systems of a block of this group the current ones. `changed`: whether they may differ from
   /// those that were last set for these steps. Collective on the grid's communicator.
-  void set_operators(const LayerDensities& densities, std::size_t block, bool changed,
-                     const ScaleStiffness& scale);
+  /// Returns their stiffness factors, [element][lane]. `scale`: changes those that follow from the densities,
+  /// if given.
+  std::vector<double> set_operators(const LayerDensities& densities, std::size_t block, bool changed,
+                                    const ScaleStiffness& scale = {});
   /// Solves the current systems, those of `block`, for one right-hand side. Throws NumericalError naming the
   /// layer if a system does not converge, as a solve of the kind `what`. Collective on the grid's
   /// communicator.
@@ -118,7 +117,7 @@ class StepSystems {
  private:
   struct Workspace;
   void solve_block(const LayerDensities& densities, std::size_t block, SolvePurpose purpose, StepLoads& loads,
-                   const ScaleStiffness& scale, Workspace& workspace);
+                   Workspace& workspace);
   std::vector<double> work_of(const LayerDensities& densities) const;
   void set_deal(StepDeal deal);
   std::vector<int> layers_of_steps() const;
