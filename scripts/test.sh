@@ -10,7 +10,7 @@
 #
 #   --all         all tests, then all of them that sanitizers have, and clang-tidy on all sources. Where they pass on a
 #                 clean tree, .ci/full_run gets the commit
-#   --touched     with sanitizers and clang-tidy, what has changed since the commit of .ci/full_run (scripts/dev/touched.py)
+#   --touched     with sanitizers and clang-tidy, what has changed since the last commit of .ci/full_run (touched.py)
 #   --sanitizers  afterwards the same tests with AddressSanitizer and UndefinedBehaviorSanitizer
 #   --preset NAME the tests of this preset (release, sanitizers, indices64) only
 #   --quick       what finds most mistakes in less than three minutes, once it is built
