@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: MIT
 /// The process with plastic flow: that of an elastic one below the yield stress, with bounded stresses beyond
 /// it (formulation 16).
-#include "fabseq/process/plastic_process.h"
 #include "fabseq/process/residual_stress.h"
-#include "support/process_case.h"
+#include "support/flow_case.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <memory>
 #include <vector>
 
 namespace fabseq {
@@ -24,22 +22,14 @@ test::CaseSettings<3> nominal(double yield_stress) {
   return settings;
 }
 
-std::unique_ptr<PlasticProcess> plastic(const test::ProcessCase<3>& process, const LayerGroups& groups) {
-  auto solver = std::make_unique<ReferenceElasticity<3>>(
-      process.grid(), process.model.domain, process.model.element.stiffness(), test::exact_solver);
-  auto result =
-      std::make_unique<PlasticProcess>(process.model, std::move(solver), groups, BlockSolver::one_by_one);
-  result->release_with({test::exact_solver});
-  result->set_tolerance({1e-9});
-  return result;
-}
+constexpr double tolerance = 1e-9;
 
 TEST(PlasticProcessTest, IsElasticBelowTheYieldStress) {
   test::ProcessCase<3> process(nominal(1e6));
   const LayerDensities layers = process.densities(process.wavy_time(), layer_count, 10.0);
   process.simulation.release_with({test::exact_solver});
   const ProcessResult& expected = process.simulate(layers);
-  const auto flowing = plastic(process, process.groups);
+  const auto flowing = test::plastic_process(process, tolerance, /*released=*/true);
   const ProcessResult& found = flowing->simulate({layers, process.strain, steps_of_layers(layer_count)});
   EXPECT_LT(test::relative_difference(found.displacement, expected.displacement), 1e-8);
   EXPECT_LT(test::relative_difference(found.release, expected.release), 1e-7);
@@ -60,7 +50,7 @@ TEST(PlasticProcessTest, FlowBoundsTheStress) {
   constexpr double yield_stress = 0.004;
   test::ProcessCase<3> process(nominal(yield_stress));
   const LayerDensities layers = process.densities(process.wavy_time(), layer_count, 40.0);
-  const auto flowing = plastic(process, process.groups);
+  const auto flowing = test::plastic_process(process, tolerance, /*released=*/true);
   const ProcessResult& found = flowing->simulate({layers, process.strain, steps_of_layers(layer_count)});
   const LockedIn built = flowing->locked_in(layers), released = flowing->released(built, found.release);
   const auto stress = equivalent_stress(process.part(), built.stress);
@@ -80,7 +70,7 @@ TEST(PlasticProcessTest, FlowBoundsTheStress) {
 TEST(PlasticProcessTest, IsTheSameOnceMore) {
   test::ProcessCase<3> process(nominal(0.004));
   const LayerDensities layers = process.densities(process.wavy_time(), layer_count, 40.0);
-  const auto flowing = plastic(process, process.groups);
+  const auto flowing = test::plastic_process(process, tolerance, /*released=*/true);
   const ProcessInput<3> input{layers, process.strain, steps_of_layers(layer_count)};
   const std::vector<double> displacement = flowing->simulate(input).displacement;
   // A direct solver on several ranks need not add up in the same order.
