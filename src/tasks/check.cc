@@ -86,6 +86,13 @@ void print_temperature(const Setup<Dim>& setup) {
   }
 }
 
+/// What the material flows beyond, where it does.
+void print_flow(const MaterialSettings& material, const ProcessSettings& process) {
+  if (process.model != ProcessModel::linear)
+    print(formatted("plastic flow: beyond a yield stress of %g, with a hardening of %g",
+                    material.yield_stress.value(), material.hardening));
+}
+
 /// The mesh that the part comes from, and how much of it the elements have.
 template <int Dim>
 void print_mesh(const Setup<Dim>& setup) {
@@ -183,6 +190,7 @@ void run_check(const Setup<Dim>& setup) {
   for (const auto& [name, nodes] : setup.node_sets)
     print("node set " + name + ": " + std::to_string(nodes.count) + " nodes");
   print_temperature(setup);
+  print_flow(setup.config.material, setup.config.process);
   print_machine(setup.world());
   print_cost(setup);
   for (const std::string& line : advice(setup, distance, height)) warn(line);
