@@ -40,7 +40,7 @@ endfunction()
 
 # Topics of tests/integration that sanitizers leave out: of scripts, which run the program as the other topics
 # do; of digits, which the release build looks at; and of classes whose own tests sanitizers run.
-set(FABSEQ_RELEASE_TOPICS "benchmarks|calculix|calibrate|calibrate_checks|calibrate_runs|compensate|gradient_matrix|one_reader|orient|own_kinds|package|slurm")
+set(FABSEQ_RELEASE_TOPICS "benchmarks|calculix|calibrate|calibrate_checks|calibrate_flow|calibrate_runs|compensate|gradient_matrix|one_reader|orient|own_kinds|package|slurm")
 string(APPEND FABSEQ_RELEASE_TOPICS "|python|deposition|direct|groups|pictures|ranks|readme|scenarios|squares|stop")
 string(APPEND FABSEQ_RELEASE_TOPICS "|coarse|gradients|welded_back|install|model_group|multi_planar|region|reruns|sensitivity|starts|verdict")
 
@@ -52,7 +52,7 @@ set(FABSEQ_COSTS
     integration.sensitivity=65 integration.benchmarks=65 integration.errors=60 integration.ranks=60
     scripts.overview_test=50 scripts.launch_test=50 integration.scenarios=50 integration.groups=50 integration.direct=50 integration.thermal=45 integration.verdict=40
     layer_groups_mpi_test.np4=50 scripts.export_paths_test=45 integration.deposition=45 integration.failures=40
-    integration.orient=40 integration.compensate=40 integration.calibrate=40 integration.calibrate_runs=25 integration.calibrate_checks=25 integration.gradient_matrix=40 integration.guided=30 integration.welded_back=100
+    integration.orient=40 integration.compensate=40 integration.calibrate=40 integration.calibrate_runs=25 integration.calibrate_checks=25 integration.calibrate_flow=60 integration.gradient_matrix=40 integration.guided=30 integration.welded_back=100
     lane_elasticity_mpi_test.np4=35 heat_sequence_mpi_test.np4=30 integration.locale=30 integration.locks=30
     integration.mesh=30 integration.simulate=20 integration.coarse=20 integration.starts=15 integration.squares=20 integration.leaks=20
     integration.one_reader=10 integration.judged_again=20 integration.pictures=20 integration.model_group=20 integration.check_picture=20 scripts.compare_test=20 faults.configs=15 integration.hostile_input=15

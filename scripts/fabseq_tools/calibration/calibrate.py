@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""Fits material.strain_scale of a config to a measured part, by least squares.
+"""Fits the strain of a config, or one factor on a material that flows, to a measured part.
 
     fabseq-tools calibrate BUILT MEASURED [BUILT MEASURED]... --output DIR [--released] [--rigid]
-                       [--isotropic] [--vanishing] [--tolerance LENGTH] [--unit UNIT]
+                       [--isotropic] [--vanishing] [--factor elongation|yield]
+                       [--tolerance LENGTH] [--unit UNIT]
                        [--program build/release/fabseq] [--ranks N] [-- OPTIONS OF THE PROGRAM]
 
 BUILT is what was built: the folder of a run (-task optimize, simulate or evaluate), of which the binary
@@ -44,6 +45,12 @@ for which the parts must have had different pauses (process.dwell). It is compar
 (thermal.vanishing 1e30), which is kept unless the fit lowers the rms of the differences by a tenth and by two
 standard deviations.
 
+With plastic flow (process.model elastoplastic) the displacement is not linear, and one factor is fitted: with
+--factor elongation, the default, on the config's material.elongations, or without the block thermal on its
+strain_scale, all axes alike; with --factor yield on its yield_stress and hardening. Mostly three to eight
+simulations, at most 12, find it between 0.05 and 5. calibration.json names the keys and all factors that were
+simulated, and what was left before.
+
 Factors that the points say nothing about stay 1, with a warning. The method: docs/formulation.md 4.5.
 """
 
@@ -56,11 +63,13 @@ import numpy as np
 
 from fabseq_tools.calibration.column_names import AXES
 from fabseq_tools.calibration.fit_checks import FitChecks, rms
+from fabseq_tools.calibration.flow_checks import FlowChecks
+from fabseq_tools.calibration.flow_factor import KINDS, FlowFactor, factored_keys, factored_material
 from fabseq_tools.calibration.measured_part import MeasuredPart
-from fabseq_tools.calibration.picture import draw_calibration
+from fabseq_tools.calibration.outcome import Outcome
 from fabseq_tools.calibration.strain_factors import fit_factors
 from fabseq_tools.calibration.vanishing import CONSTANT, VanishingSearch
-from fabseq_tools.run.command_line import RunError, count, parse, parser_of, positive, warn, write_json
+from fabseq_tools.run.command_line import RunError, count, parse, parser_of, positive, warn
 from fabseq_tools.run.places import PROGRAM
 
 COMMAND = "calibrate"
@@ -82,9 +91,23 @@ def read_parts(arguments):
     for part in parts:
         if part.dimension != parts[0].dimension:
             raise RunError(f"{part.path}: found {part.dimension}D beside {parts[0].dimension}D; allowed: parts of one dimension")
+        refuse_other_process(arguments, part, parts[0])
         if arguments.vanishing and not part.is_heated:
             raise RunError(f"{part.path}: /thermal: found none; with --vanishing allowed: a block in every config")
     return parts
+
+
+def refuse_other_process(arguments, part, first):
+    """Raises a RunError where the process model is not the first part's, or has no use for an option."""
+    model = "elastoplastic" if part.flows else "linear"
+    if part.flows != first.flows or (part.flows and part.is_heated != first.is_heated):
+        found = f"process.model {model} {'with' if part.is_heated else 'without'} thermal"
+        raise RunError(f"{part.path}: found {found}; allowed: model and thermal as in the first part")
+    of = f"found process.model {model} in {part.path}"
+    if part.flows and arguments.vanishing:
+        raise RunError(f"--vanishing: {of}; allowed: linear (with flow the strain follows material.elongations)")
+    if not part.flows and arguments.factor:
+        raise RunError(f"--factor: {of}; allowed: elastoplastic (else strain_scale is fitted)")
 
 
 def refuse_other_materials(parts):
@@ -124,30 +147,62 @@ def fit_parts(arguments, parts):
         os.makedirs(part.output, exist_ok=True)
         part.make_model()
     refuse_other_materials(parts)
+    outcome = (fit_flow if parts[0].flows else fit_strain)(arguments, parts)
+    outcome.write(arguments.output, parts)
+    for text in [*(f"the points say nothing about the {name}, which stays 1" for name in outcome.silent),
+                 *outcome.record["warnings"]]:
+        warn(COMMAND, text)
+
+
+def fit_strain(arguments, parts):
+    """The Outcome of factors on a strain that displacements are linear in."""
     factors = np.ones((parts[0].dimension, 1)) if arguments.isotropic else np.eye(parts[0].dimension)
-    if arguments.vanishing:
-        search = VanishingSearch(parts, factors, arguments.rigid)
+    search = VanishingSearch(parts, factors, arguments.rigid) if arguments.vanishing else None
+    if search:
         found = search.find()
-        fit, record = found.fit, vanishing_record(found)
+        fit = found.fit
     else:
         fit = fit_factors([part.measurement for part in parts], [part.simulate_all(factors) for part in parts], arguments.rigid)
-        record = {}
     checks = FitChecks(parts, fit, factors @ fit.factors, (factors @ fit.determined).astype(bool), arguments)
     checks.refuse_nothing()
-    records = [part_record(part, rest, equations.values) for part, rest, equations in zip(parts, fit.rests, fit.equations)]
-    if arguments.vanishing:
-        for number, part in enumerate(parts):
-            records[number] |= heat_record(part, search.own_factors(number), factors)
-    write_result(arguments.output, parts, fit, checks, record, records)
+    scale = checks.scale.tolist()
+    outcome = Outcome(fit=fit, record={"strain_scale": scale, "determined": checks.determined.tolist(), **judged(parts, checks)},
+                      own_records=[{} for _ in parts], found=[{"material": {"strain_scale": scale}} for _ in parts],
+                      lines=[f"strain_scale {rounded(scale)}"],
+                      silent=[f"factor along {AXES[axis]}" for axis in np.flatnonzero(~checks.determined)])
+    if search:
+        outcome.record |= vanishing_record(found)
+        outcome.own_records = [heat_record(part, search.own_factors(number), factors) for number, part in enumerate(parts)]
+        for its in outcome.found:
+            its["thermal"] = {"vanishing": found.temperature}
+        outcome.lines += vanishing_lines(outcome.record, rms(fit.rest), outcome.own_records)
+        warn_of_temperatures_alike(outcome.own_records)
+    return outcome
 
 
-def differences(rest, values):
-    return {"measured_values": len(values), "rms_measured": rms(values), "rms_difference": rms(rest),
-            "largest_difference": float(np.abs(rest).max())}
+def fit_flow(arguments, parts):
+    """The Outcome of one factor on a material that flows."""
+    search = FlowFactor(parts, arguments.factor or KINDS[0], arguments)
+    FlowChecks(search, arguments, enlarged=True).refuse_nothing()
+    search.find()
+    checks, best, first = FlowChecks(search, arguments), search.best, search.simulated[0]
+    tried = [{"factor": one.factor, "rms_difference": rms(one.fit.rest)} for one in search.simulated]
+    return Outcome(fit=best.fit,
+                   record={"factor": best.factor, "factored": [f"material.{key}" for key in factored_keys(parts[0], search.kind)],
+                           "determined": search.determined, **judged(parts, checks), "left_before": first.fit.left(),
+                           "rms_difference_before": rms(first.fit.rest), "simulated": tried},
+                   own_records=[{} for _ in parts],
+                   found=[{"material": factored_material(part, search.kind, best.factor)} for part in parts],
+                   lines=[f"{checks.name} {best.factor:.5g}, of {len(tried)} that were simulated",
+                          f"rms of the differences before: {rms(first.fit.rest):.4g}, {100 * first.fit.left():.3g} % of the "
+                          "measurement"],
+                   silent=[] if search.determined else [checks.name])
 
 
-def part_record(part, rest, values):
-    return {"measured": part.measurement.name, "points": len(part.read.points), **differences(rest, values)}
+def judged(parts, checks):
+    """What is left, and what the user should know."""
+    return {"left_of_measurement": checks.fit.left(),
+            "warnings": [text for part in parts if (text := part.warning())] + checks.warnings()}
 
 
 def vanishing_record(found):
@@ -160,53 +215,24 @@ def heat_record(part, own, factors):
     return {"highest_interpass": max(part.interpass), "own_strain_scale": None if own is None else (factors @ own).tolist()}
 
 
-def write_result(output, parts, fit, checks, record, records):
-    scale, determined = checks.scale, checks.determined
-    warnings = [text for part in parts if (text := part.warning())] + checks.warnings()
-    common = {"strain_scale": scale.tolist(), "determined": determined.tolist(), "left_of_measurement": fit.left(),
-              "warnings": warnings, **record}
-    for part in parts:
-        part.config.pop("run", None)
-        part.config["material"]["strain_scale"] = scale.tolist()
-        if "vanishing" in record:
-            part.config["thermal"]["vanishing"] = record["vanishing"]
-        write_json(os.path.join(part.output, "config.json"), part.config)
-    whole = records[0] if len(parts) == 1 else differences(fit.rest, fit.values)
-    named = [{"config": part.path, "file": part.measured, **its} for part, its in zip(parts, records)]
-    write_json(os.path.join(output, "calibration.json"), common | whole | ({"parts": named} if len(parts) > 1 else {}))
-    print(f"strain_scale {rounded(scale)}")
-    if "vanishing" in record:
-        print_vanishing(record, whole["rms_difference"], records)
-    print(f"rms of {words_of(whole)}; {100 * fit.left():.3g} % of the measurement is left")
-    for number, its in enumerate(records if len(parts) > 1 else [], start=1):
-        print(f"part {number}: rms of {words_of(its)}")
-    draw_calibration(parts, fit, os.path.join(output, "calibration.png"))
-    print(f"config with these factors: {', '.join(os.path.join(part.output, 'config.json') for part in parts)}", flush=True)
-    for axis in np.flatnonzero(~determined):
-        warn(COMMAND, f"the points say nothing about the factor along {AXES[axis]}, which stays 1")
-    for text in warnings:
-        warn(COMMAND, text)
-
-
 def rounded(scale):
     return [round(float(factor), 6) for factor in scale]
 
 
-def words_of(record):
-    return (f"{record['measured_values']} measured values {record['rms_measured']:.4g}, of the differences "
-            f"{record['rms_difference']:.4g}, largest {record['largest_difference']:.4g}")
-
-
-def print_vanishing(record, difference, records):
+def vanishing_lines(record, difference, records):
     """Also how hot the parts are, and each one's own factors."""
     is_constant = record["vanishing"] == CONSTANT
-    print(f"vanishing {'none: ' if is_constant else format(record['vanishing'], '.5g') + ' degrees C: '}{record['verdict']}")
+    yield f"vanishing {'none: ' if is_constant else format(record['vanishing'], '.5g') + ' degrees C: '}{record['verdict']}"
     if not is_constant:
-        print(f"rms of the differences {difference:.4g}, with the constant strain {record['rms_difference_constant']:.4g}")
+        yield f"rms of the differences {difference:.4g}, with the constant strain {record['rms_difference_constant']:.4g}"
     for number, its in enumerate(records, start=1):
         own = "not determined" if its["own_strain_scale"] is None else f"strain_scale {rounded(its['own_strain_scale'])}"
-        print(f"part {number}: highest interpass {its['highest_interpass']:.4g} degrees C; "
-              f"for itself, with a constant strain: {own}")
+        yield (f"part {number}: highest interpass {its['highest_interpass']:.4g} degrees C; "
+               f"for itself, with a constant strain: {own}")
+
+
+def warn_of_temperatures_alike(records):
+    """Where the parts are about as hot, so that they hardly tell the strain from the heat."""
     spread = np.ptp([its["highest_interpass"] for its in records])
     if spread < WANTED_DIFFERENCE:
         warn(COMMAND, f"the highest interpass temperatures of the parts differ by {spread:.4g} degrees C only; parts that differ "
@@ -224,6 +250,8 @@ def main(words):
     parser.add_argument("--rigid", action="store_true",
                         help="the points were measured in a frame of their own: rigid motions do not count")
     parser.add_argument("--isotropic", action="store_true", help="one factor for all axes")
+    parser.add_argument("--factor", choices=KINDS,
+                        help="with plastic flow: what the one factor is on (default: elongation)")
     parser.add_argument("--vanishing", action="store_true",
                         help="also fit thermal.vanishing, to two or more parts built with different pauses")
     parser.add_argument("--tolerance", type=positive, metavar="LENGTH",

@@ -20,9 +20,11 @@ MOST_LOOKED_AT = 600     # points, for other readings
 
 
 class FitChecks:
-    """Of the Fit of some parts. `scale`: factors by axis; `parts` have `measurement` and `fields`, by whether
-    the part is released ([a][b][z][y][x][axis]); empty where these are not known, so that nothing else is
-    tried."""
+    """Of the Fit of some parts, whose factors are `name`. `scale`: factors by axis; `parts` have
+    `measurement` and `fields`, by whether the part is released ([a][b][z][y][x][axis]); empty where these are
+    not known, so that nothing else is tried. `of_others`: what displacements in another unit would be."""
+
+    name, of_others = "strain_scale", "it would be {}"
 
     def __init__(self, parts, fit, scale, determined, arguments):
         self.parts, self.fit, self.scale, self.determined, self.arguments = parts, fit, scale, determined, arguments
@@ -39,16 +41,16 @@ class FitChecks:
             reason = "the measured points do not differ from the drawing, as nominal ones do"
         else:
             reason = "the part does not move as the model says" + self.words_of_other()
-        raise RunError(f"strain_scale along {', '.join(zero)}: found 0; allowed: above 0; {reason}")
+        raise RunError(f"{self.place_of(zero)}: found 0; allowed: above 0; {reason}")
+
+    def place_of(self, axes):
+        """What is wrong, with the axes that it is wrong along."""
+        return f"{self.name} along {', '.join(axes)}"
 
     def warnings(self):
         """What the user should know, a text each."""
-        result = []
-        outside = [f"{self.scale[axis]:.4g} along {AXES[axis]}" for axis in np.flatnonzero(self.determined)
-                   if not RANGE[0] <= self.scale[axis] <= RANGE[1]]
-        if outside:
-            result.append(f"strain_scale: found {', '.join(outside)}; usual: {RANGE[0]:g} to {RANGE[1]:g}"
-                          + self.words_of_unit())
+        outside = self.words_outside()
+        result = [outside + self.words_of_unit()] if outside else []
         left = self.fit.left()
         other = self.words_of_other() if left > LITTLE_LEFT else ""
         if left > MOST_LEFT:
@@ -56,24 +58,38 @@ class FitChecks:
                           f"factors do not explain it{other}")
         elif other:
             result.append(f"the differences are {100 * left:.3g} % of the measurement{other}")
-        strain = [largest_number(part.config.get("material", {}).get("inherent_strain", 0.0)) for part in self.parts]
-        largest = max(strain) * self.scale[self.determined].max(initial=0.0)
+        name, largest = self.largest_strain()
         if largest > LARGEST_STRAIN:
-            result.append(f"inherent strain with these factors: found up to {largest:.3g}; usual: up to {LARGEST_STRAIN:g}, no "
-                          "per cent")
+            result.append(f"{name}: found up to {largest:.3g}; usual: up to {LARGEST_STRAIN:g}, no per cent")
         return result
+
+    def words_outside(self):
+        """Which factors no material has, "" if none."""
+        outside = [f"{self.scale[axis]:.4g} along {AXES[axis]}" for axis in np.flatnonzero(self.determined)
+                   if not RANGE[0] <= self.scale[axis] <= RANGE[1]]
+        return f"{self.name}: found {', '.join(outside)}; usual: {RANGE[0]:g} to {RANGE[1]:g}" if outside else ""
+
+    def largest_strain(self):
+        """What it is of, and its number."""
+        strain = [largest_number(part.config.get("material", {}).get("inherent_strain", 0.0)) for part in self.parts]
+        return "inherent strain with these factors", max(strain) * self.scale[self.determined].max(initial=0.0)
+
+    def enlargements(self):
+        """How many times larger than simulated the measured displacements are."""
+        return self.scale[self.determined]
 
     def words_of_unit(self):
         """The unit that displacements may be in."""
         of_config = millimetres_of(self.unit)
         if of_config is None or any(part.measurement.moves for part in self.parts):
             return ""
-        factors = self.scale[self.determined]
+        factors = self.enlargements()
         for ratio in RATIOS:
             name = name_of_unit(of_config / ratio)
             if name and np.all((factors / ratio >= RANGE[0]) & (factors / ratio <= RANGE[1])):
                 found = ", ".join(f"{factor / ratio:.4g}" for factor in factors)
-                return f"; with displacements in {name}{f' beside points in {self.unit}' * bool(self.unit)} it would be {found}"
+                return (f"; with displacements in {name}{f' beside points in {self.unit}' * bool(self.unit)} "
+                        + self.of_others.format(found))
         return ""
 
     def words_of_other(self):

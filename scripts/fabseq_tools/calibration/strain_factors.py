@@ -53,7 +53,15 @@ class Equations:
     def motion(self, factors):
         """The size of each rigid motion."""
         roots = np.sqrt(factors)
-        return np.linalg.lstsq(self.along, self.values - roots @ (roots @ self.forms), rcond=1e-9)[0]
+        return self.motion_beside(roots @ (roots @ self.forms))
+
+    def motion_beside(self, simulated):
+        """The same for simulated values."""
+        return np.linalg.lstsq(self.along, self.values - simulated, rcond=1e-9)[0]
+
+    def moved(self, simulated, displacements):
+        """Simulated displacements of the points, whose values are `simulated`, with the rigid motion."""
+        return displacements + np.einsum("m,mnx->nx", self.motion_beside(simulated), self.motions)
 
     def rest(self, factors):
         """What factors and motion leave of the values."""
@@ -63,20 +71,21 @@ class Equations:
     def displacement(self, factors):
         """Of the points, with the rigid motion."""
         roots = np.sqrt(factors)
-        return (np.einsum("a,b,abnx->nx", roots, roots, self.displacements)
-                + np.einsum("m,mnx->nx", self.motion(factors), self.motions))
+        return self.moved(roots @ (roots @ self.forms), np.einsum("a,b,abnx->nx", roots, roots, self.displacements))
 
 
 class Fit:
     """The factors with which the equations of all parts together are met best. `forms` [a][b][value],
     `strained` [value]: what no rigid motion explains of the simulations and of the values. `rests`: what is
-    left, by part. `unknowns`: how many numbers were fitted."""
+    left, by part. `unknowns`: how many numbers were fitted. `given`: the factors, where they are not looked
+    for."""
 
-    def __init__(self, equations):
+    def __init__(self, equations, given=None):
         self.equations = equations
         self.forms = np.concatenate([e.without_motion(e.forms) for e in equations], axis=2)
         self.strained = np.concatenate([e.without_motion(e.values) for e in equations])
-        self.factors, self.determined = solve_factors(self.forms, self.strained)
+        self.factors, self.determined = (solve_factors(self.forms, self.strained) if given is None
+                                         else (given, np.ones(len(given), bool)))
         self.rests = [e.rest(self.factors) for e in equations]
         self.rest, self.values = np.concatenate(self.rests), np.concatenate([e.values for e in equations])
         self.unknowns = int(self.determined.sum()) + sum(e.basis.shape[1] for e in equations)
@@ -87,14 +96,16 @@ class Fit:
         return float(sizes[0] / sizes[1]) if sizes[1] > 0.0 else float(sizes[0] > 0.0)
 
 
-def fit_factors(measurements, fields, rigid):
+def fit_factors(measurements, fields, rigid, given=None):
     """The Fit of some parts, by their measurements and by `fields`, [part][a][b]. The places of a scan's
-    points depend on the factors, so that search and fit take turns."""
+    points depend on the factors and on the rigid motion, so that search and fit take turns. `given`: as of
+    Fit."""
     displacements, factors = [None] * len(measurements), np.inf
     for _ in range(MOST_SEARCHES):
         fit = Fit([measurement.equations(its_fields, rigid, displacement)
-                   for measurement, its_fields, displacement in zip(measurements, fields, displacements)])
-        if np.abs(fit.factors - factors).max() < SETTLED or not any(m.moves for m in measurements):
+                   for measurement, its_fields, displacement in zip(measurements, fields, displacements)], given)
+        is_settled = given is None and np.abs(fit.factors - factors).max() < SETTLED
+        if is_settled or not any(m.moves for m in measurements):
             break
         displacements, factors = [e.displacement(fit.factors) for e in fit.equations], fit.factors
     return fit
