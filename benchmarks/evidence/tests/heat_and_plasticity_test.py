@@ -20,7 +20,7 @@ from heat_and_plasticity.bricks import Bricks
 from heat_and_plasticity.compared import BRICKS, FLOW, FLOWS, LINEAR, compared
 from heat_and_plasticity.finer import at_coarse_nodes, finer_settings
 from heat_and_plasticity.mechanics import OwnNodes
-from heat_and_plasticity.tables import print_tables
+from heat_and_plasticity.tables import print_factor_tables, print_tables
 
 SIZE, COUNTS = [4.0, 2.0, 6.0], [2, 1, 3]
 
@@ -143,11 +143,28 @@ class HeatAndPlasticityTest(unittest.TestCase):
         printed = io.StringIO()
         with contextlib.redirect_stdout(printed):
             print_tables({"wall": found})
-        tables = [table.splitlines() for table in printed.getvalue().strip().split("\n\n")]
-        self.assertEqual([len(table) for table in tables], [4, 3, 4, 4])
+        tables = self.tables(printed.getvalue(), [4, 3, 4, 4])
+        self.assertIn("| wall, tilted | 2.00 |", tables[1][2])
+
+    def test_tables_of_factors(self):
+        """A factor for each part and kind, and errors for each sequence."""
+        records = {kind: {"factor": factor, "left_before": 0.26, "left_of_measurement": left}
+                   for kind, factor, left in (("elongation", 1.25, 0.19), ("yield", 1.5, 0.23))}
+        errors = {"planar": {"none": 0.26, "elongation, own": 0.19}, "tilted": {"none": 0.2, "elongation, own": 0.3}}
+        printed = io.StringIO()
+        with contextlib.redirect_stdout(printed):
+            print_factor_tables({"factors": {"wall": records}, "errors": {"wall": errors}})
+        factors, of_sequences = self.tables(printed.getvalue(), [3, 4])
+        self.assertEqual(factors[2], "| wall, planar | 1.25 | 1.5 | 26 % | 19 % | 23 % |")
+        self.assertEqual(of_sequences[3], "| wall, tilted | 20 % | 30 % |")
+
+    def tables(self, printed, lengths):
+        """The lines of each table, whose rows have as many cells as the head."""
+        tables = [table.splitlines() for table in printed.strip().split("\n\n")]
+        self.assertEqual([len(table) for table in tables], lengths)
         for table in tables:
             self.assertEqual(len({line.count("|") for line in table}), 1, table)
-        self.assertIn("| wall, tilted | 2.00 |", tables[1][2])
+        return tables
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Tables of with_heat.py, as they stand in benchmarks/evidence/results/with_heat.md."""
+"""Tables of with_heat.py and one_factor.py, as they stand in benchmarks/evidence/results/with_heat.md."""
 
 from heat_and_plasticity.compared import BRICKS, FLOW, FLOWS, LINEAR
 
@@ -14,6 +14,15 @@ def print_tables(cases):
     print_rows((f"error to {FIRST} ({OTHER}), %", *FLOWS), cases, other_flow_cells)
     print_rows((f"error to {FIRST}, and factor of the planar case", *LINEAR, *(f"factor: {model}" for model in LINEAR)),
                cases, linear_cells)
+
+
+def print_factor_tables(found):
+    """`found`: figures of one_factor.py."""
+    kinds = list(next(iter(found["factors"].values())))
+    columns = next(iter(found["errors"].values()))["planar"]
+    print_rows(("fitted to", *(f"factor on {kind}" for kind in kinds), f"error to {FIRST}: none", *kinds),
+               {case: {"planar": of} for case, of in found["factors"].items()}, factor_cells)
+    print_rows((f"error to {FIRST}", *columns), found["errors"], lambda row, _planar: [percent(error) for error in row.values()])
 
 
 def print_rows(head, cases, cells_of):
@@ -46,6 +55,11 @@ def other_flow_cells(row, _planar):
 def linear_cells(row, planar):
     factors = [f"{planar[model][FIRST]['scale']:.3g}" if row is planar else "" for model in LINEAR]
     return [*(percent(row[model][FIRST]["error"]) for model in LINEAR), *factors]
+
+
+def factor_cells(records, _planar):
+    return [*(f"{record['factor']:.3g}" for record in records.values()), percent(next(iter(records.values()))["left_before"]),
+            *(percent(record["left_of_measurement"]) for record in records.values())]
 
 
 def percent(value):
