@@ -3,7 +3,8 @@
 
     fabseq-tools paths RUN --bead-width W [--output DIR] [--of optimized|planar|start] [--outlines N]
                        [--hatch ANGLE] [--turn ANGLE] [--at SHARE] [--nominal-height H] [--speed V]
-                       [--frame drawing|plate] [--x-axis still|travel]
+                       [--frame drawing|plate] [--x-axis still|travel] [--post gcode|rapid]...
+                       [--tolerance L] [--axis-tolerance DEGREES] [--clearance L] [--travel-speed V]
 
 RUN is the output directory of an optimization or a simulation in 3D. Each layer gets N outlines (default: 1),
 the first half a bead inside the part's surface, and inside them parallel lines at a bead's width. DIR
@@ -12,6 +13,7 @@ the first half a bead inside the part's surface, and inside them parallel lines 
   spacing of the bead, and factor of the wire feed; docs/reference.md lists the columns. Heights are those
   that the run's check has judged; what a layer has more or less in a place is in the feed.
 - paths_compas.json: print points of COMPAS Slicer. paths_irbcam.csv, .json: targets of IRBCAM.
+- gcode/, rapid/: with --post, a program for a machine: a file per layer, and one that calls them.
 - paths_summary.json: starts, lengths, travels and ranges per layer. paths.png: some layers' paths.
 --frame says whose coordinates all files have: those of the drawing (of its mesh file, in its unit of length)
 or of the build plate (of the config, in domain.unit). In either frame, IRBCAM's files are in millimetres of
@@ -22,6 +24,13 @@ The first line is the run's verdict. Pieces of layers that no element of theirs 
 neighbour; that is said, as is what of a layer no bead fills. The rapid way between two passes goes straight
 from two beads beyond the end to two beads before the start. Ways that would cross what stands by then are
 named; in IRBCAM's files they are raised above it. Only the tip of the torch is looked at.
+
+Programs have the frame plate. The wire feed is constant: where a bead has its nominal section, the torch
+travels at --speed, or as fast as the config's deposition rate allows, and elsewhere at that over the feed. It
+pauses after a layer as the run's report on the interpass temperature says, or else by process.dwell.
+Waypoints are left out while the way stays within --tolerance of them, its axis within --axis-tolerance and
+the feed within 10 %. Travels retract along the torch's axis to --clearance above the bead, and go as far
+above what stands by then.
 """
 
 import os
@@ -30,9 +39,11 @@ import numpy as np
 
 from fabseq_tools.geometry.grid import element_edges
 from fabseq_tools.geometry.layer_bodies import GROUPS, LayeredPart, joined_words
-from fabseq_tools.geometry.placement import FRAMES, MILLIMETRES, Placement
+from fabseq_tools.geometry.placement import FRAMES, MILLIMETRES, Placement, millimetres_of
+from fabseq_tools.paths import post_process, posts
 from fabseq_tools.paths.files import COLUMNS, compas_points, irbcam_targets, rows_of, write_compact, write_irbcam, write_table
 from fabseq_tools.paths.frames import ABOUT_AXIS, set_frames
+from fabseq_tools.paths.pace import USUAL_SPEED, pace_of
 from fabseq_tools.paths.torch_paths import all_passes, summary
 from fabseq_tools.paths.ways import rapid_ways
 from fabseq_tools.plot.virtual_display import ensure_display
@@ -60,11 +71,14 @@ def main(words):
     parser.add_argument("--at", type=share, default=0.5, help="height of waypoints in the layer: 0 its lower, 1 its upper "
                         "side (default: %(default)s)")
     parser.add_argument("--nominal-height", type=positive, help="of a bead with feed 1 (default: the target thickness)")
-    parser.add_argument("--speed", type=positive, default=10.0, help="of the torch, mm/s, for IRBCAM (default: %(default)s)")
+    parser.add_argument("--speed", type=positive, help="of the torch at feed 1, mm/s (default: by process.deposition_rate, "
+                        f"or {USUAL_SPEED:g}; for IRBCAM {USUAL_SPEED:g})")
     parser.add_argument("--frame", choices=FRAMES, default="drawing", help="whose coordinates (default: %(default)s)")
     parser.add_argument("--x-axis", choices=ABOUT_AXIS, default=ABOUT_AXIS[0],
                         help="of the tool's frames, for COMPAS and IRBCAM (default: %(default)s)")
     parser.add_argument("--no-picture", action="store_true")
+    machines = posts.add_options(parser)
+    post_process.add_options(parser)
     arguments = parser.parse_args(words)
     if not arguments.no_picture:
         ensure_display()
@@ -75,19 +89,26 @@ def main(words):
         width = checked_width(arguments, part)
         passes = all_passes(part, width, arguments.outlines, arguments.hatch, arguments.turn, arguments.at, progress)
         ways = rapid_ways(part, passes, RETRACT * width, progress)
+        section = width * (arguments.nominal_height or target_height(part, passes))
+        feeds = [one.heights * one.spacings / section for one in passes]
+        millimetres = millimetres_of(part.config["domain"].get("unit"))
+        pace = pace_of(part, arguments.speed, millimetres, section)
+        programs = post_process.post_process(part, passes, pace, feeds, width, millimetres, arguments, machines, output, progress)
     placement = Placement(part.config, arguments.frame)
     record = {"name": part.name, "of": arguments.of, "outlines": arguments.outlines, "hatch": arguments.hatch,
               "turn": arguments.turn, "at": arguments.at, "verdict": part.judged.verdict or None,
-              **export(part, passes, ways, width, output, placement, arguments)}
+              **export(part, passes, ways, width, (feeds, pace), output, placement, arguments), "programs": programs}
     write_json(os.path.join(output, "paths_summary.json"), record)
     if not arguments.no_picture:
         from fabseq_tools.paths.picture import draw  # loads VTK's renderer, which needs a display
         draw(part, passes, width, placement, os.path.join(output, "paths.png"))
-    for words in warnings(record):
+    for words in [*warnings(record), *post_process.program_warnings(programs, pace, unit_of(record))]:
         warn(COMMAND, words)
     for words in joined_words(record):
         print(words)
     print(table(record))
+    for words in post_process.program_lines(programs, pace):
+        print(words)
     print(f"in {output}")
 
 
@@ -120,9 +141,9 @@ def checked_width(arguments, part):
     return width
 
 
-def export(part, passes, ways, width, output, placement, options):
+def export(part, passes, ways, width, rates, output, placement, options):
     """Writes the files of waypoints, and returns the summary. Leaves the passes and ways in the placement's
-    frame."""
+    frame. `rates`: feeds of each pass, and the pace."""
     os.makedirs(output, exist_ok=True)
     scale = placement.scale
     layers = summary(part, passes, part.up)
@@ -134,17 +155,19 @@ def export(part, passes, ways, width, output, placement, options):
         way.points, way.at, way.straight, way.depth = placement.points(
             way.points), placement.points(way.at), way.straight * scale, way.depth * scale
     set_frames(passes, placement.directions(part.up), options.x_axis)
-    rows = rows_of(passes, height * width * scale**2)
+    feeds, pace = rates
+    rows = rows_of(passes, feeds, [scale * pace.speeds(one) for one in feeds], pace.pauses)
     for layer in layers:
-        feeds = [row[COLUMNS.index("feed")] for row in rows if row[1] == layer["layer"]]
-        layer.update({key: layer[key] * scale for key in ("length", "travel", "farthest")}, feed=[min(feeds), max(feeds)],
+        own = np.array([[row[COLUMNS.index(name)] for name in ("feed", "speed")] for row in rows if row[1] == layer["layer"]])
+        layer.update({key: layer[key] * scale for key in ("length", "travel", "farthest")}, pause=pace.pauses[layer["layer"]],
+                     **dict(zip(("feed", "speed"), np.stack([own.min(axis=0), own.max(axis=0)], axis=1).tolist())),
                      height=[value * scale for value in layer["height"]],
                      **{key: layer[key] * scale**3 for key in ("wire", "volume")})
     common = {**placement.facts(), "bead_width": width * scale, "nominal_height": height * scale}
     write_table(os.path.join(output, "paths.csv"), rows)
     write_compact(os.path.join(output, "paths.json"), {**common, "columns": COLUMNS, "waypoints": rows})
     write_compact(os.path.join(output, "paths_compas.json"), compas_points(passes, rows, placement.facts()))
-    export_irbcam(part, passes, ways, width, output, placement, options.speed)
+    export_irbcam(part, passes, ways, width, output, placement, options.speed or USUAL_SPEED)
     volumes = np.bincount(part.body.label, part.body.volumes()) * scale**3
     without = sorted(set(part.layers) - {layer["layer"] for layer in layers})
     total = {key: sum(layer[key] for layer in layers) for key in ("starts", "waypoints", "length", "travel", "wire")}

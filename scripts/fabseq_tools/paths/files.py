@@ -9,17 +9,19 @@ from fabseq_tools.paths.frames import across_travel, euler_angles
 from fabseq_tools.run.command_line import write_rows
 
 COLUMNS = ("order", "layer", "pass", "kind", "x", "y", "z", "axis_x", "axis_y", "axis_z", "height", "spacing", "feed",
-           "level")
+           "level", "speed", "pause")
 RAPID = -1.0  # velocity of a way without deposition, for IRBCAM
 
 
-def rows_of(passes, nominal):
-    """A row of COLUMNS per waypoint. `nominal`: area of a bead's section for which the feed is 1."""
+def rows_of(passes, feeds, speeds, pauses):
+    """A row of COLUMNS per waypoint. `feeds`, `speeds`: of the waypoints of each pass; `pauses`: seconds
+    after each layer, by number."""
     rows = []
-    for number, one in enumerate(passes, start=1):
-        feeds = one.heights * one.spacings / nominal
-        for kind, *values in zip(one.kinds, *one.points.T, *one.axes.T, one.heights, one.spacings, feeds, one.levels):
-            rows.append((len(rows) + 1, one.layer, number, str(kind), *map(float, values)))
+    for number, (one, feed, speed) in enumerate(zip(passes, feeds, speeds), start=1):
+        for kind, *values in zip(one.kinds, *one.points.T, *one.axes.T, one.heights, one.spacings, feed, one.levels, speed):
+            rows.append((len(rows) + 1, one.layer, number, str(kind), *map(float, values), 0.0))
+        if number == len(passes) or passes[number].layer != one.layer:
+            rows[-1] = (*rows[-1][:-1], pauses.get(one.layer, 0.0))
     return rows
 
 

@@ -83,23 +83,34 @@ def across_travel(one):
 def euler_angles(x_axes, z_axes):
     """Angles a, b, c (n, 3) in radians with RotZ(a) RotY(b) RotZ(c) the frames of a sequence, each as near to
     the one before as these angles allow; they may leave a single turn."""
+    directions = turning_angles(z_axes)
+    result, c = np.empty((len(z_axes), 3)), 0.0
+    for number, (x, (a, b)) in enumerate(zip(x_axes, directions)):
+        u = np.array([np.cos(a) * np.cos(b), np.sin(a) * np.cos(b), -np.sin(b)])
+        v = np.array([-np.sin(a), np.cos(a), 0.0])
+        c = nearest(np.arctan2(x @ v, x @ u), c)
+        result[number] = a, b, c
+    return result
+
+
+def turning_angles(z_axes, before=None):
+    """Angles a, b (n, 2) in radians with RotZ(a) RotY(b) z the directions of a sequence, each as near to the
+    one before as these angles allow; they may leave a single turn. Upright ones keep a. `before`: the angles
+    that the first is near to."""
     level = np.hypot(z_axes[:, 0], z_axes[:, 1])
     azimuth, polar = np.arctan2(z_axes[:, 1], z_axes[:, 0]), np.arctan2(level, z_axes[:, 2])
-    result = np.empty((len(z_axes), 3))
-    a, b, c = 0.0, polar[0], 0.0
-    for number, x in enumerate(x_axes):
+    result = np.empty((len(z_axes), 2))
+    a, b = (0.0, polar[0]) if before is None else before
+    for number in range(len(z_axes)):
         if level[number] < UPRIGHT:
             b = nearest(round(polar[number] / np.pi) * np.pi, b)
-        elif number == 0:
+        elif number == 0 and before is None:
             a = azimuth[0]
         else:
             choices = [(nearest(azimuth[number], a), nearest(polar[number], b)),
                        (nearest(azimuth[number] + np.pi, a), nearest(-polar[number], b))]
             a, b = min(choices, key=lambda one: abs(one[0] - a) + abs(one[1] - b))
-        u = np.array([np.cos(a) * np.cos(b), np.sin(a) * np.cos(b), -np.sin(b)])
-        v = np.array([-np.sin(a), np.cos(a), 0.0])
-        c = nearest(np.arctan2(x @ v, x @ u), c)
-        result[number] = a, b, c
+        result[number] = a, b
     return result
 
 
