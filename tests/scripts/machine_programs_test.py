@@ -166,7 +166,7 @@ class ProgramTest(unittest.TestCase):
         self.assertRegex(main, r"G21 G90 G94")
         calls = [line for line in main.splitlines() if "M98" in line or line.startswith("o<")]
         self.assertEqual(len(calls), 3)
-        self.assertEqual(("G43.4 H1" in main, "M428" in main), (control == "fanuc", control != "fanuc"))
+        self.assertEqual(("G43.4 H1" in main, "G64 P0.0200\nG43 H1\nM428" in main), (control == "fanuc", control != "fanuc"))
 
     def test_gcode_of_another_plate(self):
         self.program.up = np.array([1.0, 0.0, 0.0])

@@ -11,8 +11,8 @@ from fabseq_tools.paths.ways import Standing
 from fabseq_tools.run.command_line import RunError, positive
 from fabseq_tools.run.words import duration
 
-CLEARANCE, TOLERANCE = 2.0, 0.02  # beads
-AXIS_TOLERANCE = 0.5  # degrees
+CLEARANCE, TOLERANCE = 2.0, 0.05  # beads
+AXIS_TOLERANCE = 1.0  # degrees
 TRAVEL_SPEED = 50.0  # mm/s
 
 

@@ -49,13 +49,14 @@ class ProgramLayer:
 @dataclasses.dataclass
 class Program:
     """`name`: of the part; `layers`: in the order of deposition; `up`: unit normal of the plate; `plate`: its
-    height along that, mm; `travel_speed`: mm/s with the arc off."""
+    height along that, mm; `travel_speed`: mm/s with the arc off; `tolerance`: of points left out, mm."""
 
     name: str
     layers: list
     up: np.ndarray
     plate: float
     travel_speed: float
+    tolerance: float
 
     def points(self, arc=False):
         """How many there are, or only those with the arc on."""
@@ -94,7 +95,8 @@ def program_of(part, passes, ways, speeds, pauses, tolerances, travel_speed, mil
         layers[-1].stretches += [off(before.coming, one, 0), welded(one, speed, tolerances, travel_speed, millimetres),
                                  off(after.leaving, one, -1)]
     layers[-1].pause = 0.0
-    return Program(part.name, layers, part.up, millimetres * plate_height(part.config), travel_speed)
+    return Program(part.name, layers, part.up, millimetres * plate_height(part.config), travel_speed,
+                   millimetres * tolerances.distance)
 
 
 def welded(one, speeds, tolerances, travel_speed, millimetres):

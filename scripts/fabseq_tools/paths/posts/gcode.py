@@ -18,7 +18,8 @@ turn. Beyond 360 the next travel turns it back by whole turns.
 Descriptions B-63942EN/02, "List of functions and program format",
 www.cncmanuals.com/fanuc/657/series-30i-300i-300is-model-a-descriptions/page/441), G4 X is a pause in seconds,
 M98 P calls a program, O1001 that of layer 1. --control linuxcnc: M428 and M429 do so in its configurations
-with switchable kinematics, G4 P is a pause in seconds, o<layer_001> call a file of that name.
+with switchable kinematics, G64 P is the tolerance of its path, G4 P a pause in seconds, o<layer_001> call a
+file of that name.
 
 M3 lights the arc and M5 puts it out: with your codes, replace them. The wire feed is constant. Travels are
 G1, too, since G0 need not be straight. main.nc calls the layers; the way to the first point is yours."""
@@ -39,7 +40,8 @@ MOST_LAYERS = 999
 
 @dataclasses.dataclass
 class Control:
-    """Words of a control. `call`, `begin`, `end`: format strings of a layer's number, for its file `file`."""
+    """Words of a control. `tcp_on`: may have a place for the tolerance; `pause`: has one for seconds, and
+    `call`, `begin`, `end` and the name of the `file` for the number of a layer. `frame`: around each file."""
 
     tcp_on: str
     tcp_off: str
@@ -53,7 +55,7 @@ class Control:
 
 CONTROLS = {
     "fanuc": Control("G43.4 H1", "G49", "G4 X{:.3f}", "O{:04d}.nc", "M98 P{:04d}", "%\nO{:04d}", "M99\n%", "%"),
-    "linuxcnc": Control("G43 H1\nM428", "M429\nG49", "G4 P{:.3f}", "layer_{:03d}.ngc", "o<layer_{:03d}> call",
+    "linuxcnc": Control("G64 P{:.4f}\nG43 H1\nM428", "M429\nG49", "G4 P{:.3f}", "layer_{:03d}.ngc", "o<layer_{:03d}> call",
                         "o<layer_{:03d}> sub", "o<layer_{0:03d}> endsub\nM2", "")}
 
 
@@ -75,7 +77,7 @@ def program_files(program, options):
     kind = control.file.rpartition(".")[2]
     main = [*filter(None, [control.frame]), *(["O1000"] if options.control == "fanuc" else []),
             f"({plain(program.name)}: {len(program.layers)} layers, plate at Z{number(program.plate)})",
-            f"(tip from {low})", f"(to {high})", "G21 G90 G94 G17 G40 G54", control.tcp_on]
+            f"(tip from {low})", f"(to {high})", "G21 G90 G94 G17 G40 G54", control.tcp_on.format(program.tolerance)]
     files, angles = {f"main.{kind}": ""}, Angles(options)
     for layer in program.layers:
         own = numbered(layer, options)
