@@ -19,13 +19,14 @@ constexpr int most_sweeps = 300;  ///< over a wave
 constexpr SolveTolerance one_step{0.5, 4.0};
 /// The same of the release, which has no reach.
 constexpr double of_release = 0.3;
+/// Sweeps after which solves are this close: one step hardly sees a piece that hangs in what is not built yet.
+constexpr int patience = 30;
+constexpr double closer = 0.01;
 
 }  // namespace
 
 void PlasticIteration::set_wave(const PlasticWave& wave, bool changed) {
   wave_ = wave;
-  systems_.set_tolerance(one_step);
-  if (release_ != nullptr) release_->set_tolerance(of_release);
   systems_.groups().run([&] {
     std::vector<double> stiffness;
     if (wave_.block)
@@ -79,10 +80,17 @@ void PlasticIteration::correct(LaneVector& forces, bool adjoint, LaneVector& ste
   });
 }
 
+void PlasticIteration::set_tolerance(const SolveTolerance& of_steps, double release) {
+  systems_.set_tolerance(of_steps);
+  if (release_ != nullptr) release_->set_tolerance(release);
+}
+
 int PlasticIteration::solve(LaneVector& unknowns, const Forces& forces, bool adjoint, double change) {
   Anderson anderson(systems_.groups().world(), depth, weights_);
   LaneVector step;
+  set_tolerance(one_step, of_release);
   for (int sweep = 1; sweep <= most_sweeps; ++sweep) {
+    if (sweep == patience) set_tolerance({closer}, closer);
     {
       LaneVector left;
       forces(unknowns, left);

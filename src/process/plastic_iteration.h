@@ -39,6 +39,7 @@ class PlasticIteration {
   /// `stiffness`: of the wave, [element][lane].
   void set_weights(std::span<const double> stiffness);
   void scale(const BlockRegion& block, std::span<double> stiffness) const;
+  void set_tolerance(const SolveTolerance& of_steps, double release);
   void correct(LaneVector& forces, bool adjoint, LaneVector& step);
 
   StepSystems<3>& systems_;

@@ -25,6 +25,17 @@ def flowing(yield_stress, heated=False):
     return config
 
 
+def with_hanging_piece():
+    """The hook with a tooth below its arm, in planar layers: it hangs in the air until the arm carries it."""
+    config = hook_3d()
+    config["part"]["union"].append({"box": {"min": [1.2, 0.2, 0.4], "max": [1.6, 0.6, 1.0]}})
+    config.update({"sequence": {"type": "planar"}, "layers": {"count": 8}, "projection": {"binary": True},
+                   "material": {"yield_stress": 0.0019, "hardening": 0.0017},
+                   "process": {"model": "elastoplastic", "deposition": "nominal"},
+                   "objective": config["objective"][:1], "constraints": []})
+    return config
+
+
 def turned(config):
     """The same part with its axes in the order y, z, x: the plate's normal is y."""
     def turn(value):
@@ -64,6 +75,11 @@ class PlasticTest(FabseqTest):
         elastic, plastic = self.values(1, flowing(1e30)), self.values(1, flowing(0.002))
         for name, value in elastic.items():
             self.assertGreater(abs(plastic[name] / value - 1), 0.01, name)
+
+    def test_pieces_that_hang_in_the_air(self):
+        config = with_hanging_piece()
+        expected = self.values(1, config, "-set", "solver.path=reference", "-tolerance", "1e-6")
+        self.assert_same(self.values(1, config, "-tolerance", "1e-6"), expected, 1e-5)
 
     def test_ranks_groups_and_lanes(self):
         for heated in distinct(False, True):
