@@ -14,7 +14,8 @@ constexpr double rounding = 1e-6;
 }  // namespace
 
 template <int Dim>
-Footing<Dim>::Footing(const Grid<Dim>& grid, double bead_width) : spacing(grid.spacing()) {
+Footing<Dim>::Footing(const Grid<Dim>& grid, double bead_width)
+    : spacing(grid.spacing()), elements(grid.domain().elements) {
   const double width = width_of_bead(grid, bead_width);
   // Half a diagonal: however the axis is turned, the centre of an element lies near enough to it.
   radius = std::max(0.5 * width, 0.5 * std::sqrt(dot(spacing, spacing)));
@@ -43,7 +44,8 @@ std::vector<Index<Dim>> Footing<Dim>::steps() const {
     return sum;
   };
   Index<Dim> reach;
-  for (int axis = 0; axis < Dim; ++axis) reach[axis] = static_cast<int>(std::sqrt(farthest) / spacing[axis]);
+  for (int axis = 0; axis < Dim; ++axis)  // as a number: it may be more than an int can hold
+    reach[axis] = static_cast<int>(std::min<double>(elements[axis], std::sqrt(farthest) / spacing[axis]));
   std::vector<Index<Dim>> result;
   ringed<Dim>({{}, uniform_index<Dim>(1)}, reach).for_each([&](const Index<Dim>& step, std::int64_t) {
     if (step != Index<Dim>{} && square(step) <= farthest) result.push_back(step);

@@ -56,6 +56,8 @@ TEST(HangingTest, TheUndersideOfABarHangsWherePlanarLayersLeaveTheColumn) {
   EXPECT_DOUBLE_EQ(found.share, 10.0 / 48.0);
   // A bead of six elements' width rests on the column with half of it.
   EXPECT_EQ(hanging_of(part, {}, layers_along(part, 2), 6.0).elements, 3 * 2);
+  // One that is wider than the box reaches everything in it, and no further.
+  EXPECT_EQ(hanging_of(part, {}, layers_along(part, 2), 5e8).elements, 0);
 }
 
 TEST(HangingTest, TheBarStandsOnTheColumnIfItIsBuiltSideways) {

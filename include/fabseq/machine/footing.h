@@ -22,7 +22,8 @@ struct Footing {
   Footing(const Grid<Dim>& grid, double bead_width);
 
   Point<Dim> spacing;
-  double radius;  ///< half a bead's width, or half an element's diagonal if that is more
+  double radius;        ///< half a bead's width, or half an element's diagonal if that is more
+  Index<Dim> elements;  ///< of the grid, along each axis: no step is longer
 
   /// Whether the centre of the element that is `step` away lies in it. `direction`: of unit length, [axis].
   bool holds(const Index<Dim>& step, const double* direction) const;
