@@ -113,7 +113,8 @@ void run_task(const CommandLine& command_line, const Config& config) {
       if (command_line.picture) write_check_picture(setup, command_line);
       return setup.require_walls();  // last: the picture shows where they are thin
     case Task::surface:
-      break;  // needs no setup
+    case Task::machine:
+      break;  // need no setup
   }
 }
 
@@ -139,6 +140,8 @@ int main(int argc, char** argv) {
     if (command_line.help_markdown) return print(reference_table());
     if (command_line.version) return print("fabseq " FABSEQ_VERSION);
     if (command_line.task == Task::surface) return write_surface(PETSC_COMM_WORLD, command_line);
+    if (command_line.task == Task::machine)
+      return print(to_text(config_with_machine(PETSC_COMM_WORLD, command_line), 2));
     const Config config = read_config(PETSC_COMM_WORLD, command_line);
     stop_if_signalled(PETSC_COMM_WORLD);
     return config.dimension() == 2 ? run_task<2>(command_line, config) : run_task<3>(command_line, config);

@@ -17,7 +17,7 @@ namespace {
 
 /// Names of the tasks, in the order of Task.
 constexpr std::string_view task_names =
-    "optimize simulate sensitivity evaluate check_gradients check surface";
+    "optimize simulate sensitivity evaluate check_gradients check surface machine";
 
 /// Whether a word is an option ("-name"), not a negative number or a lone '-'; PETSc tells options from
 /// values in the same way.

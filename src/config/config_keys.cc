@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "config/config_keys.h"
 
+#include "fabseq/machine/machine_entries.h"
 #include "fabseq/part/part_settings.h"
 #include "fabseq/responses/response_type.h"
 #include "fabseq/sequence/sequence_kind.h"
@@ -124,6 +125,11 @@ Section<Config> all_keys() {
   const ConfigKey required{.required = true}, optional{.default_value = "{}"};
   Section<Its> keys("", "Top level");
   keys.key("name", &Its::name, "Name of the case and of output/NAME", {.option = "-name"})
+      .key("machine",
+           "JSON file with the entries of a machine, beside the config or one of configs/machines; keys of "
+           "the config "
+           "replace what follows from them",
+           {.type = KeyType::path, .option = "-machine"}, [](Its&, const Json&, const KeyPlace&) {})
       .section("domain", base_of<DomainSettings>, "Box and grid", domain_keys(), required);
   add_part(keys);
   keys.section("material", &Its::material, "Material", material_keys(), optional)
@@ -138,7 +144,8 @@ Section<Config> all_keys() {
       .section("tool", &Its::tool, "Torch and bead", tool_keys(), optional)
       .section("optimizer", &Its::optimizer, "Optimizer", optimizer_keys(), optional)
       .section("solver", &Its::solver, "Linear solver", solver_keys(), optional)
-      .section("output", &Its::output, "Output", output_keys(), optional);
+      .section("output", &Its::output, "Output", output_keys(), optional)
+      .declare(machine_entries().declarations().front());
 }
 
 }  // namespace

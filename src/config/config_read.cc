@@ -123,6 +123,13 @@ Config read_config(MPI_Comm comm, const CommandLine& command_line) {
   return read_config(comm, std::move(document), directory, command_line);
 }
 
+Json config_with_machine(MPI_Comm comm, const CommandLine& command_line) {
+  auto [document, directory] = read_document(comm, command_line.config_file);
+  for (const auto& [path, value] : command_line.overrides) apply_override(document, path, value);
+  merge_machine_file(comm, document, directory);
+  return document;
+}
+
 NamedSurface read_surface(MPI_Comm comm, const CommandLine& command_line) {
   auto [document, directory] = read_document(comm, command_line.config_file);
   for (const auto& [path, value] : command_line.overrides) apply_override(document, path, value);
@@ -142,6 +149,7 @@ Config read_config(MPI_Comm comm, Json document, const std::string& directory,
     for (const auto& [path, value] : command_line.overrides)
       if (path == "sequence.dataset") apply_override(document, path, value);
   }
+  merge_machine_file(comm, document, directory);
   merge_material_file(comm, document, directory);
   const std::shared_ptr<const PlacedMesh> mesh = place_mesh(comm, document, directory);
   Config config = read_settings(document, directory, mesh);

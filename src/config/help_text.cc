@@ -22,7 +22,8 @@ Usage:
 Options:
   -config FILE.json      what to do: a JSON file, comments allowed, with the keys listed below
   -task TASK             optimize (default), simulate, sensitivity, evaluate, check_gradients, check (writes nothing),
-                         or surface (DIR/surface.ply: the part's mesh as it is read, in its place)
+                         surface (DIR/surface.ply: the part's mesh as it is read, in its place), or machine (prints
+                         the config with what follows from its machine's file)
   -repair                with -task simulate and binary layers: mends the layers where they fail the machine's checks at few
                          places, and simulates them again
   -picture               with -task check: DIR/check.svg, a picture of elements, node sets, plate and first layers
@@ -31,7 +32,7 @@ Options:
   -restart DIR           continue the run in DIR from its newest intact checkpoint, there or in -output; -restart auto
                          continues the run in the output directory, and starts one where there is none yet
   -max_wall_time TIME    stop after this time, in seconds or as H:M:S, with a checkpoint
-  -design FILE.h5        design to start from, for every task but check and surface: dataset design, as in result.h5
+  -design FILE.h5        design to start from, for every task but check, surface and machine: dataset design, as in result.h5
                          (missing: the initial values)
   -sequence FILE.h5      for -task simulate and sensitivity: the pseudo-time of this file (dataset time, as in
                          result.h5), cut into -layers N; as sharp as it was there, unless -beta or -binary are given

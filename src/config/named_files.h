@@ -19,6 +19,10 @@ namespace fabseq {
 /// there, and takes `file` out; what the file says of its sources is left out.
 void merge_material_file(MPI_Comm comm, Json& document, const std::string& directory);
 
+/// Puts the keys that follow from the file that `machine` names into the document, unless they stand there,
+/// and takes `machine` out. The file lies beside the config or in configs/machines.
+void merge_machine_file(MPI_Comm comm, Json& document, const std::string& directory);
+
 /// Reads the mesh that is the part of a config (null if the part is none) and puts it in its place. Where the
 /// config has domain.element in place of size and elements, puts these and domain.origin there, as they
 /// follow from the mesh; domain.element and domain.margin are gone then.

@@ -13,6 +13,12 @@
 #include "fabseq/solve/reference/preconditioner.h"
 #include "fabseq/solve/solvers.h"
 
+#include <algorithm>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
 namespace fabseq {
 
 template <int Dim>
@@ -22,6 +28,7 @@ Setup<Dim>::Setup(MPI_Comm world, const Config& config_) : Model<Dim>(world, con
   if (config.solver.path == SolverPath::reference)
     require_solver_options({solver_prefixes.begin(), solver_prefixes.end()});
   require_layers_that_fit();
+  require_plate();
   require_release();
   warn_about_method();
 }
@@ -46,6 +53,25 @@ void Setup<Dim>::require_layers_that_fit() const {
   if (traits.count > most)
     refuse(traits.key, std::to_string(traits.count),
            "at most " + std::to_string(most) + " layers, ten for each of the part's elements");
+}
+
+/// Refuses a part that is longer or wider than the machine's plate.
+template <int Dim>
+void Setup<Dim>::require_plate() const {
+  std::vector<double> plate = config.tool.plate, part;
+  if (plate.empty()) return;
+  for (int axis = 0; axis < Dim; ++axis)
+    if (axis != config.plate.axis) part.push_back(this->part.upper()[axis] - this->part.lower()[axis]);
+  std::ranges::sort(plate, std::greater());
+  std::ranges::sort(part, std::greater());
+  constexpr double rounding = 1.0 + 1e-9;
+  const bool fits = std::ranges::equal(part, std::span(plate).first(part.size()),
+                                       [](double edge, double room) { return edge <= rounding * room; });
+  if (fits) return;
+  std::string found = formatted("a part of %g", part.front());
+  if (part.size() > 1) found += formatted(" x %g", part.back());
+  refuse("/tool/plate", found,
+         formatted("at most %g x %g, the plate, or [], which is not checked", plate[0], plate[1]));
 }
 
 /// Refuses terms after a release that there cannot be.

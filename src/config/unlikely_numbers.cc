@@ -32,6 +32,7 @@ constexpr Usual capacities{50.0, 10000.0};      // J/(kg K); gold 130, aluminium
 constexpr Usual conductivities{0.1, 5000.0};    // W/(m K); titanium 7, copper 400
 constexpr Usual biot_numbers{1e-7, 50.0};       // of an element; arc welding: 1e-5 to 0.1
 constexpr Usual rates{0.005, 200.0};            // kg/h; arc welding: 0.3 to 20
+constexpr Usual speed_ratios{0.5, 2.0};         // density, bead's section, speed over rate
 constexpr Usual build_hours{1e-6, 2e4};         // two years
 constexpr double longest_pause = 86400.0;       // s
 constexpr Usual profile_reaches{0.02, 1000.0};  // of a torch over the part's longest edge
@@ -47,6 +48,7 @@ class UnlikelyNumbers {
     check_yield();
     const bool dense = check_density();
     check_deposition(dense);
+    if (dense) check_speed();
     check_lengths();
     check_angles();
     if (settings_.thermal) check_heat(*settings_.thermal);
@@ -119,6 +121,20 @@ class UnlikelyNumbers {
     if (!build_hours.has(hours))
       say("/material/mass_density", formatted("%g, with which welding takes %.3g hours", *density, hours),
           "kg/length^3, such as 7.85e-6 for steel with lengths in mm");
+  }
+
+  /// A bead's section times the speed is what the torch deposits.
+  void check_speed() {
+    const ToolSettings& tool = settings_.tool;
+    const auto& rate = settings_.process.deposition_rate;
+    const auto& density = settings_.material.mass_density;
+    if (!tool.travel_speed || !tool.bead_height || tool.bead_width == 0.0 || !rate || !density) return;
+    constexpr double seconds_in_hour = 3600.0;
+    const double made = *density * tool.bead_width * *tool.bead_height * *tool.travel_speed * seconds_in_hour;
+    if (speed_ratios.has(made / *rate)) return;
+    say("/tool/travel_speed",
+        formatted("%g, with which a bead of this width and height takes %.3g kg/h", *tool.travel_speed, made),
+        formatted("about process.deposition_rate, %g", *rate));
   }
 
   void check_lengths() {

@@ -32,6 +32,25 @@ void print_machine(MPI_Comm world) {
                    cores.ranks, cores.usable()));
 }
 
+/// What a machine file has said, or the config's own tool.
+template <int Dim>
+void print_tool(const Setup<Dim>& setup) {
+  const ToolSettings& tool = setup.config.tool;
+  if (tool.name.empty()) return;
+  const std::string& unit = setup.settings.unit;
+  std::string line = "cell: " + tool.name + "; ";
+  line += tool.axis.empty() ? "the torch stands on the layers" : "the torch stands upright on layers";
+  if (tool.max_tilt < 180.0) line += formatted(", which lean up to %g degrees", tool.max_tilt);
+  line += "; beads " + length_words(tool.bead_width, unit) + " wide";
+  if (tool.bead_height) line += " and " + length_words(*tool.bead_height, unit) + " high";
+  if (const auto& target = setup.config.layers.target)
+    line += "; layers of " + length_words(target->value, unit) + ", in places " +
+            length_words(tool.thickness[0] * target->value, unit) + " to " +
+            length_words(tool.thickness[1] * target->value, unit);
+  if (const auto& rate = setup.config.process.deposition_rate) line += formatted("; %g kg/h", *rate);
+  print(line);
+}
+
 template <int Dim>
 void print_cost(const Setup<Dim>& setup) {
   const int ranks = size_of(setup.world());
@@ -174,6 +193,7 @@ void run_check(const Setup<Dim>& setup) {
     print("clamped: " + std::to_string(clamped) + " nodes");
   }
   const double height = geodesic_height(part, distance);
+  print_tool(setup);
   print_walls(part);
   print_uncarried(setup);
   print(formatted("height along the plate's normal %.6g, geodesic %.6g", planar_height(part, {}), height));

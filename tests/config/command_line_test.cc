@@ -93,7 +93,7 @@ TEST(CommandLineTest, Errors) {
   EXPECT_EQ(refusal_of({"-config", "c", "-layers"}), "-layers: missing value; allowed: -layers VALUE");
   EXPECT_EQ(refusal_of({"-config", "c", "-task", "fly"}),
             "-task: found \"fly\"; allowed: optimize, simulate, sensitivity, evaluate, check_gradients, "
-            "check, surface");
+            "check, surface, machine");
   EXPECT_EQ(refusal_of({"-config", "c", "-set", "layers"}),
             "-set: found \"layers\"; allowed: -set path.to.key=VALUE");
   EXPECT_EQ(refusal_of({"-config", "c", "-set", "=1"}),

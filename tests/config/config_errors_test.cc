@@ -42,7 +42,7 @@ TEST(ConfigErrorsTest, OverridesThatLeadNowhere) {
 TEST(ConfigErrorsTest, UnknownKeys) {
   EXPECT_EQ(
       solid_error("projektion", "{}"),
-      "/projektion: unknown key; did you mean \"projection\"? allowed here: name, domain, part, "
+      "/projektion: unknown key; did you mean \"projection\"? allowed here: name, machine, domain, part, "
       "build_plate, substrate, stock, clamps, node_sets, "
       "material, process, thermal, sequence, layers, projection, objective, constraints, baseline, tool, "
       "optimizer, solver, output");

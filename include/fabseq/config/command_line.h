@@ -57,6 +57,11 @@ Config read_config(MPI_Comm comm, const CommandLine& command_line);
 Config read_config(MPI_Comm comm, Json document, const std::string& directory,
                    const CommandLine& command_line);
 
+/// The document of the config file with what follows from its machine's file in place of the key `machine`;
+/// nothing else of it is looked at. Collective on `comm`. Throws InputError on all ranks where that file
+/// cannot be used.
+Json config_with_machine(MPI_Comm comm, const CommandLine& command_line);
+
 /// A config's name and its part's surface.
 struct NamedSurface {
   std::string name;

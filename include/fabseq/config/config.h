@@ -15,7 +15,7 @@
 namespace fabseq {
 
 /// What a run does (docs/reference.md, -task).
-enum class Task { optimize, simulate, sensitivity, evaluate, check_gradients, check, surface };
+enum class Task { optimize, simulate, sensitivity, evaluate, check_gradients, check, surface, machine };
 
 /// What a run writes on its way, and how often.
 struct OutputSettings {

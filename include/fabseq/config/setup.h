@@ -46,6 +46,7 @@ class Setup : public Model<Dim> {
   int most_layers_of_a_sequence() const { return std::max(this->layers->count(), this->baseline->count()); }
   void require_layers_that_fit() const;
   void require_release() const;
+  void require_plate() const;
   void warn_about_method() const;
 };
 
