@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Simulates a part in several orientations and compares them, to find which way up to build it.
 
-    fabseq-tools orient CONFIG.json --output DIR [--turn "x 90"]... [--ranks N]
+    fabseq-tools orient CONFIG.json --output DIR [--machine CELL] [--turn "x 90"]... [--ranks N]
                         [--program build/release/fabseq] [-- OPTIONS OF THE PROGRAM]
 
 CONFIG has a mesh as its part. The orientations are the six that put one face of the part's box on the plate
@@ -17,9 +17,9 @@ planar or comes from a file leaves the planar layers only.
 
 The deviations are those of the surface after a best rigid fit, as built and after the release from the plate,
 which is left out for a part that falls into pieces then. Best is the least rms after the release of the start
-design. `verdict` says whether these layers can be built with the config's tool. `overhang` is the area of
-elements that have neither an element nor the plate below them. What the program refuses is listed with the
-reason.
+design. `verdict` says whether these layers can be built with the config's machine or tool, or with --machine,
+a machine file or the name of one of configs/machines. `overhang` is the area of elements that have neither an
+element nor the plate below them. What the program refuses is listed with the reason.
 
 Into DIR go orientation.csv, .json and .png, and a folder for each orientation with what was simulated
 (simulated.json, start, planar) and config.json to go on with: the user's own config, in which only the
@@ -42,6 +42,7 @@ from fabseq_tools.orientation.turned_config import TurnedConfig, box_of_mesh, co
 from fabseq_tools.orientation.turned_shapes import Motion
 from fabseq_tools.plot.virtual_display import ensure_display
 from fabseq_tools.run.command_line import RunError, count, parse, parser_of, require_program, run_program, write_json
+from fabseq_tools.run.machine import HELP, OPTION, config_with_machine, settings_for
 from fabseq_tools.run.places import PROGRAM
 from fabseq_tools.run.read_run import read_config, read_fields, read_json, target_thickness
 from fabseq_tools.run.verdict_words import in_short, verdict_of
@@ -59,6 +60,7 @@ def main(words):
     parser.add_argument("--output", required=True)
     parser.add_argument("--turn", action="append", metavar='"AXIS DEGREES..."', help="an orientation to look at")
     parser.add_argument("--ranks", type=count, default=1)
+    parser.add_argument(OPTION, metavar="CELL", help=HELP)
     parser.add_argument("--program", default=PROGRAM)
     arguments = parse(parser, words)
     require_program(arguments.program)
@@ -68,7 +70,8 @@ def main(words):
             raise RunError(f"{arguments.config}: {key} is missing or no object")
     if "mesh" not in config["part"]:
         raise RunError(f"{arguments.config}: part.mesh is missing; only a part from a mesh can be turned")
-    config = with_absolute_files(config, os.path.dirname(os.path.abspath(arguments.config)))
+    config = with_absolute_files(config | settings_for(config, arguments.machine),
+                                 os.path.dirname(os.path.abspath(arguments.config)))
     turns = [turn_of(text) for text in arguments.turn] if arguments.turn else six_turns(config.get("build_plate", "z-"))
     ensure_display()  # before hours of simulation
     given = AsGiven(arguments, config)
@@ -115,10 +118,13 @@ def face_down(turn, plate):
 
 
 class AsGiven:
-    """A config, and what it is in its own orientation, which is looked at where something asks for it."""
+    """A config, and what it is in its own orientation, which is looked at where something asks for it.
+    `written`: as the user has it; `config`: with what follows from its machine."""
 
     def __init__(self, arguments, config):
-        self.arguments, self.config = arguments, config
+        self.arguments, self.written, self.config = arguments, config, config
+        if "machine" in config:
+            self.config = config_with_machine(arguments.program, self.write("with_machine", config))
         self.target = self.target_thickness()
 
     def target_thickness(self):
@@ -135,7 +141,7 @@ class AsGiven:
 
     @functools.cached_property
     def geodesic_height(self):
-        return sizes_of(run_program(self.arguments, self.written(), "check"))["geodesic_height"]
+        return sizes_of(run_program(self.arguments, self.compared(), "check"))["geodesic_height"]
 
     def layers(self):
         """None where the program refuses the orientation."""
@@ -149,7 +155,7 @@ class AsGiven:
     def shift(self):
         """By which the turned mesh was moved. The effective config of a simulation has it."""
         output = os.path.join(self.arguments.output, AS_GIVEN)
-        run_program(self.arguments, self.written(), "simulate", "-set", 'sequence={"type": "planar"}', "-set",
+        run_program(self.arguments, self.compared(), "simulate", "-set", 'sequence={"type": "planar"}', "-set",
                     "part.mesh.least_elements=0", "-set", "part.keep=connected", "-overwrite", "-output", output)
         return shift_of(output)
 
@@ -161,10 +167,14 @@ class AsGiven:
         except RunError:
             return {}
 
-    def written(self):
+    def compared(self):
+        """The file of what is simulated of it."""
+        return self.write(AS_GIVEN, compared_config(self.config, []))
+
+    def write(self, name, config):
         os.makedirs(self.arguments.output, exist_ok=True)
-        path = os.path.join(self.arguments.output, AS_GIVEN + ".json")
-        write_json(path, compared_config(self.config, []))
+        path = os.path.join(self.arguments.output, name + ".json")
+        write_json(path, config)
         return path
 
 
@@ -237,7 +247,7 @@ def write_config_to_go_on(arguments, given, turn, folder, layers, planar):
             motion.shift = shift_of(os.path.join(folder, "planar")) - motion.matrix @ given.shift
         except RunError as error:
             motion.unknown = f"where the part lies before the turn is not known, because the program refuses that: {error}"
-    result = TurnedConfig(given.config, turn, motion)
+    result = TurnedConfig(given.written, turn, motion)
     result.content["name"] = f"{given.config.get('name', 'part')}_{name_of(turn)}"
     result.follow(layers, planar, given.layers)
     domain = read_json(os.path.join(folder, "planar"), "config.json")["domain"]

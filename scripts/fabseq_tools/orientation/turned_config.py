@@ -21,8 +21,9 @@ def with_absolute_files(config, folder):
     config = copy.deepcopy(config)
     named = [(section, "file") for section in (config["part"]["mesh"], config.get("material", {}), config["sequence"])]
     named += [(node_set.get("near", {}), "mesh") for node_set in config.get("node_sets", {}).values()]
+    named.append((config, "machine"))
     for section, key in named:
-        if key in section:
+        if key in section and (key != "machine" or os.path.isfile(os.path.join(folder, section[key]))):
             section[key] = os.path.join(folder, section[key])
     return config
 

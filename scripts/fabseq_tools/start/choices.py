@@ -166,11 +166,12 @@ def warnings_of(text, found):
 def choose(arguments, look):
     """The entries of the config, what there is to tell of it, and warnings."""
     material, material_warnings = material_of(arguments)
-    target = arguments.thickness or arguments.bead_height
+    target = arguments.thickness or arguments.bead_height or (arguments.machine and arguments.machine.target)
     element = Element(arguments, look, target)
     found, warnings = element.found, material_warnings + element.warnings
     if target:
-        why_target = "as asked for (--thickness)" if arguments.thickness else "the bead's height (--bead-height)"
+        why_target = ("as asked for (--thickness)" if arguments.thickness else
+                      "the bead's height (--bead-height)" if arguments.bead_height else "the height of the machine's bead")
     else:
         target, why_target = rounded(ACROSS_LAYER * found.edge), "four elements; --thickness is what you deposit"
     if target / found.edge < LEAST_ACROSS_LAYER:

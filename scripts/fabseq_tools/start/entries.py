@@ -36,10 +36,7 @@ def entries_of(arguments, look, element, material, target, why_target, count):
         Entry("objective", objective(arguments, found), "What is made small. The first term is printed."),
         Entry("constraints", constraints(arguments, target, why_target),
               "What holds: the machine's limits, so that the result can be built. The verdict of the run says whether it can."),
-        Entry("tool", tool_of(arguments),
-              "The machine: put in your own. thickness is the range of local thickness that can be deposited, relative to the "
-              f"layers'. {tilt_words(arguments)} profile adds the torch, whose reach is then checked; the constraint "
-              "tool_clearance keeps it free."),
+        *tools(arguments),
         Entry("baseline", {"direction": "best"},
               "The result is compared with upright planar layers, and with planar ones in the best of several directions within "
               "the tilt limit: a machine that tilts builds them without any optimized sequence."),
@@ -84,6 +81,21 @@ def narrow_foot(found):
     return " The part stands on little: should its first layers stay too thin, double this."
 
 
+def tools(arguments):
+    """The entries on the machine: its file, and a block tool with what the command line says otherwise."""
+    if not arguments.machine:
+        return [Entry("tool", tool_of(arguments),
+                      "The machine: put in your own, or name its file (machine). thickness is the range of local thickness that "
+                      f"can be deposited, relative to the layers'. {tilt_words(arguments)} profile adds the torch, whose reach "
+                      "is then checked; the constraint tool_clearance keeps it free.")]
+    machine = arguments.machine
+    result = [Entry("machine", machine.file, f"{machine.words()}. Keys of the config replace what follows from it.")]
+    tool = {"bead_width": arguments.bead_width} if arguments.bead_width else {}
+    if arguments.max_tilt != machine.max_tilt:
+        tool["max_tilt"] = arguments.max_tilt
+    return [*result, Entry("tool", tool, "As asked for, in place of the machine's.")] if tool else result
+
+
 def tool_of(arguments):
     tool = {"thickness": THICKNESS}
     if arguments.bead_width:
@@ -108,7 +120,10 @@ def constraints(arguments, target, why_target):
                     "Place by place within tool.thickness. Without a limit this and what follows adapt to the exact checks until "
                     "no element fails. Where layers meet behind a hole no sequence may keep it: a limit, such as 0.02, is the "
                     "share of the part that may be outside, smoothly counted, and lets the distortion gain a little.")]
-    if arguments.max_tilt < ANY_TILT:
+    machine = arguments.machine
+    if arguments.max_tilt < ANY_TILT and (not machine or machine.tilts):
         result.append(Entry("", {"type": "tilt"}, "No tilt beyond tool.max_tilt."))
+    if machine and machine.has_torch:
+        result.append(Entry("", {"type": "tool_clearance"}, "The torch keeps its clearance from what stands."))
     result.append(Entry("", {"type": "supported"}, "No element begins in the air."))
     return result

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Writes a config for a part from a mesh, and says what it has chosen and why.
 
-    fabseq-tools new PART [-o CONFIG.json] [--overwrite] [--unit mm] [--scale FACTOR]
+    fabseq-tools new PART [-o CONFIG.json] [--overwrite] [--machine CELL] [--unit mm] [--scale FACTOR]
                      [--thickness T | --bead-height H] [--bead-width W] [--max-tilt DEGREES]
                      [--sequence heat|guided] [--keep connected|all] [--fill-holes] [--rotate X,Y,Z]
                      [--elements N | --memory GB] [--material NAME] [--iterations N]
@@ -10,6 +10,8 @@
 PART is a file that part.mesh takes: STL, OBJ, PLY or 3MF. The program looks at it (-task check) with elements
 of several sizes. What is chosen stands in the config, each with the reason as a comment, and on the terminal:
 
+- The machine: --machine is a machine file, or the name of one of configs/machines. Bead, torch, tilt, range
+  of thickness and plate follow from it, unless an option here says otherwise.
 - The layers' thickness: --thickness, or the height of a bead. Without either: four elements.
 - The element: a quarter of a layer, and no more than a third of the thinnest wall. --elements bounds how many
   the part has (default: 50,000), --memory what a run takes on one rank. Where the bound does not leave three
@@ -44,11 +46,13 @@ import tempfile
 from fabseq_tools.geometry.placement import millimetres_of
 from fabseq_tools.run.check_words import ANY_TILT
 from fabseq_tools.run.command_line import RunError, count, number, parser_of, positive, require_program, warn
+from fabseq_tools.run.machine import OPTION
 from fabseq_tools.run.places import PROGRAM, SCRIPTS
 from fabseq_tools.run.progress import Progress
 from fabseq_tools.start.choices import choose
 from fabseq_tools.start.config_text import config_text
 from fabseq_tools.start.look import Look
+from fabseq_tools.start.machine import Machine
 from fabseq_tools.start.materials import known_materials
 
 COMMAND = "new"
@@ -68,6 +72,7 @@ def main(words):
         if path and not os.path.isfile(path):
             raise RunError(f"{path}: no such file")
     require_program(arguments.program)
+    settle_machine(arguments)
     with tempfile.TemporaryDirectory() as folder, Progress(COMMAND) as progress:
         look = Look(arguments, folder, progress)
         warn_of_unit(arguments, look.size)
@@ -76,7 +81,7 @@ def main(words):
     os.makedirs(folder, exist_ok=True)
     head = f"{os.path.basename(arguments.part)}: what fabseq-tools new has chosen; all lengths in {arguments.unit}."
     with open(output, "w", encoding="utf-8") as file:
-        file.write(config_text(head, with_mesh(entries, os.path.relpath(arguments.part, folder))))
+        file.write(config_text(head, with_files(entries, arguments.part, folder)))
     for entry in entries:
         for line in entry.lines():
             print(line)
@@ -120,6 +125,7 @@ def parsed(words):
     parser.add_argument("part")
     parser.add_argument("-o", "--output", metavar="CONFIG.json", help="default: PART.json, beside the mesh")
     parser.add_argument("--overwrite", action="store_true")
+    parser.add_argument(OPTION, metavar="CELL", help="machine file, or the name of one of configs/machines")
     parser.add_argument("--unit", default="mm", help="of the config and of all lengths here (default: %(default)s)")
     parser.add_argument("--scale", type=positive, default=1.0, help="from the file's unit to the config's")
     thickness = parser.add_mutually_exclusive_group()
@@ -127,7 +133,7 @@ def parsed(words):
     thickness.add_argument("--bead-height", type=positive, metavar="H", help="a layer is as thick as a bead is high")
     parser.add_argument("--bead-width", type=positive, metavar="W")
     parser.add_argument("--max-tilt", type=tilt, metavar="DEGREES",
-                        help=f"between torch and plate's normal (default: {USUAL_TILT:g}; 180: no limit)")
+                        help=f"between torch and plate's normal (default: the machine's, or {USUAL_TILT:g}; 180: no limit)")
     parser.add_argument("--sequence", choices=["heat", "guided"], help="default: guided with a tilt below 90, else heat")
     parser.add_argument("--keep", choices=["connected", "all"],
                         help="pieces on the plate, or refuse others (default: as much of the part as stands)")
@@ -141,18 +147,28 @@ def parsed(words):
     parser.add_argument("--program", default=PROGRAM)
     arguments = parser.parse_args(with_negative_turns(words))
     arguments.ranks, arguments.rest = 1, []
-    arguments.usual_tilt, arguments.max_tilt = arguments.max_tilt is None, arguments.max_tilt or USUAL_TILT
-    arguments.sequence = arguments.sequence or ("guided" if arguments.max_tilt < UPRIGHT else "heat")
     arguments.millimetres = millimetres_of(arguments.unit)
     return arguments
 
 
-def with_mesh(entries, path):
-    """The entries, with the mesh relative to the config."""
+def with_files(entries, part, folder):
+    """The entries, with the mesh and a machine's file relative to the config."""
     for entry in entries:
         if entry.key == "part":
-            entry.value["mesh"]["file"] = path
+            entry.value["mesh"]["file"] = os.path.relpath(part, folder)
+        if entry.key == "machine" and os.path.isabs(entry.value):
+            entry.value = os.path.relpath(entry.value, folder)
     return entries
+
+
+def settle_machine(arguments):
+    """What the words of the command line leave to the machine, or to the usual."""
+    machine = arguments.machine = Machine(arguments) if arguments.machine else None
+    given = arguments.max_tilt is not None
+    arguments.usual_tilt = not given and machine is None
+    if not given:
+        arguments.max_tilt = machine.max_tilt if machine else USUAL_TILT
+    arguments.sequence = arguments.sequence or ("guided" if arguments.max_tilt < UPRIGHT else "heat")
 
 
 def warn_of_unit(arguments, size):

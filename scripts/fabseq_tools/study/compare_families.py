@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: MIT
 """Compares planar, tilted, multi-planar, heat and guided layers of a part within one machine's limits.
 
-    fabseq-tools compare-families PART.json [--subparts 2 3 4] [--step 20] [--azimuths 4] [--ranks 2]
-                                  [--output DIR] [--program build/release/fabseq] [-- OPTIONS OF THE PROGRAM]
+    fabseq-tools compare-families PART.json [--machine CELL] [--subparts 2 3 4] [--step 20] [--azimuths 4]
+                                  [--ranks 2] [--output DIR] [--program build/release/fabseq]
+                                  [-- OPTIONS OF THE PROGRAM]
 
-The limits are those of the config's tool: range of local thickness, largest tilt, torch; and nothing begins
-in the air. The config needs a layer_thickness constraint. Constraints on the limits are added where the
+The limits are those of the config's machine or tool, or of --machine, a machine file or the name of one of
+configs/machines: range of local thickness, largest tilt, torch; and nothing begins in the air. The config
+needs a layer_thickness constraint or a machine. Constraints on the limits are added where the
 config has none: those of a type that a kind of layers does not have are left out for it.
 
     planar               one simulation

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from fabseq_tools.geometry.grid import node_positions, nodes_of
+from fabseq_tools.run.machine import NOT_TURNED, torch_tilts
 from fabseq_tools.study.rounds import with_constraint
 
 ANY_TILT, ALL_AROUND = 180.0, 90.0  # degrees: without a limit, and the least that bounds no direction
@@ -44,12 +45,13 @@ class Families:
         plate = plate or "xyz"[self.dimension - 1] + "-"
         self.up["xyz".index(plate[0])] = -1.0 if plate[1] == "+" else 1.0
         self.max_tilt, self.torch = tool.get("max_tilt", ANY_TILT), bool(tool.get("profile"))
+        self.tilts = torch_tilts(tool)
 
     def limits(self):
         """The config's constraints, and those of the machine that it lacks."""
-        found = self.config["constraints"]
-        if self.max_tilt < ANY_TILT:
-            found = with_constraint(found, "tilt")
+        found = [one for one in self.config["constraints"] if self.tilts or one["type"] != NOT_TURNED]
+        if self.max_tilt < ANY_TILT and self.tilts:
+            found = with_constraint(found, NOT_TURNED)
         for name in ["local_thickness", *["tool_clearance"] * self.torch, "supported"]:
             found = with_constraint(found, name)
         return found

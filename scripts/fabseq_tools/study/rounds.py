@@ -8,6 +8,7 @@ import os
 import shutil
 
 from fabseq_tools.run.command_line import RunError, count, parser_of, require_program, run_program, write_json
+from fabseq_tools.run.machine import HELP, OPTION, config_with_machine, settings_for
 from fabseq_tools.run.places import PROGRAM
 from fabseq_tools.run.read_run import Run, read_config, read_json, target_thickness
 from fabseq_tools.run.settings import put
@@ -22,21 +23,26 @@ def parser_of_rounds(text, command, config, default_output):
     parser.add_argument("config", metavar=config)
     parser.add_argument("--output", default=default_output, metavar="DIR", help="folder of it all (default: %(default)s)")
     parser.add_argument("--ranks", type=count, default=2, metavar="N", help="of the program (default: %(default)s)")
+    parser.add_argument(OPTION, metavar="CELL", help=HELP)
     parser.add_argument("--program", default=PROGRAM)
     return parser
 
 
 class Rounds:
-    """`config`: as it was written, with the `settings` of all runs (of -set, by path) in it. The words of the
-    command line choose the program and its ranks; what stands behind -- goes to the program in every run,
-    between these settings and those of the run. Unless it `may_run`, only what is done is looked at."""
+    """`config`: as it was written, with the `settings` of all runs (of -set, by path) in it, and what follows
+    from its machine. The words of the command line choose the machine, the program and its ranks; what stands
+    behind -- goes to the program in every run, between these settings and those of the run. Unless it
+    `may_run`, only what is done is looked at."""
 
     def __init__(self, arguments, settings=None, may_run=True):
         self.config, self.may_run = read_config(arguments.config), may_run
-        for path, value in (settings or {}).items():
+        settings = settings_for(self.config, getattr(arguments, "machine", None)) | (settings or {})
+        for path, value in settings.items():
             put(self.config, path, copy.deepcopy(value), arguments.config)
-        self.arguments = argparse.Namespace(**vars(arguments) | {"rest": [*settings_of(settings or {}), *arguments.rest]})
+        self.arguments = argparse.Namespace(**vars(arguments) | {"rest": [*settings_of(settings), *arguments.rest]})
         require_program(arguments.program)
+        if "machine" in self.config:
+            self.config = config_with_machine(arguments.program, arguments.config, *settings_of(settings))
         for key, kind in PARTS.items():
             if not isinstance(self.config.get(key), kind):
                 raise RunError(f"{arguments.config}: {key} is missing or no object")
