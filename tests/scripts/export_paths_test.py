@@ -17,6 +17,7 @@ import numpy as np
 
 from fabseq_tools.geometry.layer_bodies import LayeredPart
 from fabseq_tools.paths import import_paths, order as path_order
+from fabseq_tools.paths.pace import USUAL_SPEED, travel_speed
 from fabseq_tools.paths.layer_paths import Line, PathSurface
 from fabseq_tools.paths.torch_paths import all_passes, summary
 from fabseq_tools.run.command_line import RunError
@@ -296,6 +297,14 @@ class PathsTest(unittest.TestCase):
         done = self.call("paths", self.box(), "--bead-width", "0.2")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertGreater((Path(self.run_directory) / "paths" / "paths.png").stat().st_size, 10_000)
+
+    def test_speed_of_the_machine(self):
+        """In mm/s, whatever the unit of the part."""
+        for unit, speed, expected in (("mm", 9.0, 9.0), ("cm", 0.5, 5.0), (None, 7, 7), ("mm", "none", USUAL_SPEED),
+                                      ("ell", 2.0, USUAL_SPEED)):
+            domain = {} if unit is None else {"unit": unit}
+            self.assertEqual(travel_speed({"domain": domain, "tool": {"travel_speed": speed}}), expected)
+        self.assertEqual(travel_speed({"domain": {}}), USUAL_SPEED)
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@
     fabseq-tools paths RUN --bead-width W [--output DIR] [--of optimized|planar|start] [--outlines N]
                        [--hatch ANGLE] [--turn ANGLE] [--at SHARE] [--nominal-height H] [--speed V]
                        [--frame drawing|plate] [--x-axis still|travel] [--post gcode|rapid]...
-                       [--tolerance L] [--axis-tolerance DEGREES] [--clearance L] [--travel-speed V]
+                       [--tolerance L] [--axis-tolerance DEGREES] [--clearance L] [--rapid-speed V]
 
 RUN is the output directory of an optimization or a simulation in 3D. Each layer gets N outlines (default: 1),
 the first half a bead inside the part's surface, and inside them parallel lines at a bead's width. DIR
@@ -43,7 +43,7 @@ from fabseq_tools.geometry.placement import FRAMES, MILLIMETRES, Placement, mill
 from fabseq_tools.paths import post_process, posts
 from fabseq_tools.paths.files import COLUMNS, compas_points, irbcam_targets, rows_of, write_compact, write_irbcam, write_table
 from fabseq_tools.paths.frames import ABOUT_AXIS, set_frames
-from fabseq_tools.paths.pace import USUAL_SPEED, pace_of
+from fabseq_tools.paths.pace import USUAL_SPEED, pace_of, travel_speed
 from fabseq_tools.paths.torch_paths import all_passes, summary
 from fabseq_tools.paths.ways import rapid_ways
 from fabseq_tools.plot.virtual_display import ensure_display
@@ -72,7 +72,7 @@ def main(words):
                         "side (default: %(default)s)")
     parser.add_argument("--nominal-height", type=positive, help="of a bead with feed 1 (default: the target thickness)")
     parser.add_argument("--speed", type=positive, help="of the torch at feed 1, mm/s (default: by process.deposition_rate, "
-                        f"or {USUAL_SPEED:g}; for IRBCAM {USUAL_SPEED:g})")
+                        f"else tool.travel_speed, else {USUAL_SPEED:g}; for IRBCAM the last two)")
     parser.add_argument("--frame", choices=FRAMES, default="drawing", help="whose coordinates (default: %(default)s)")
     parser.add_argument("--x-axis", choices=ABOUT_AXIS, default=ABOUT_AXIS[0],
                         help="of the tool's frames, for COMPAS and IRBCAM (default: %(default)s)")
@@ -167,7 +167,7 @@ def export(part, passes, ways, width, rates, output, placement, options):
     write_table(os.path.join(output, "paths.csv"), rows)
     write_compact(os.path.join(output, "paths.json"), {**common, "columns": COLUMNS, "waypoints": rows})
     write_compact(os.path.join(output, "paths_compas.json"), compas_points(passes, rows, placement.facts()))
-    export_irbcam(part, passes, ways, width, output, placement, options.speed or USUAL_SPEED)
+    export_irbcam(part, passes, ways, width, output, placement, options.speed or travel_speed(part.config))
     volumes = np.bincount(part.body.label, part.body.volumes()) * scale**3
     without = sorted(set(part.layers) - {layer["layer"] for layer in layers})
     total = {key: sum(layer[key] for layer in layers) for key in ("starts", "waypoints", "length", "travel", "wire")}

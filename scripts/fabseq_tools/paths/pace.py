@@ -5,7 +5,9 @@ import dataclasses
 
 import numpy as np
 
-USUAL_SPEED = 10.0  # mm/s, of a config without deposition rate
+from fabseq_tools.geometry.placement import millimetres_of
+
+USUAL_SPEED = 10.0  # mm/s, of a config without deposition rate and travel speed
 LEAST_FEED = 0.2  # below it the torch goes no faster
 SECONDS_PER_HOUR = 3600.0
 
@@ -32,7 +34,7 @@ class Pace:
 
 def pace_of(part, given, millimetres, section):
     """Of a run. `given`: speed at feed 1 in mm/s, or None: that of the config's deposition rate, or else
-    USUAL_SPEED. `millimetres`: of a length of the config (None: not known, speeds count in that length);
+    travel_speed(). `millimetres`: of a length of the config (None: not known, speeds count in that length);
     `section`: of a bead at feed 1, in the config's lengths."""
     rate, density = (part.config.get(name, {}).get(key) for name, key in
                      (("process", "deposition_rate"), ("material", "mass_density")))
@@ -40,9 +42,15 @@ def pace_of(part, given, millimetres, section):
     if given is None and numbers:
         speed, origin = rate / SECONDS_PER_HOUR / density / section, f"deposition rate {rate:g} kg/h"
     else:
-        speed = (USUAL_SPEED if given is None else given) / (millimetres or 1.0)
-        origin = "usual value, no deposition rate" if given is None else "--speed"
+        speed = (travel_speed(part.config) if given is None else given) / (millimetres or 1.0)
+        origin = "no deposition rate: the machine's or the usual one" if given is None else "--speed"
     return Pace(speed, origin, *pauses_of(part))
+
+
+def travel_speed(config):
+    """That of the config's machine, in mm/s, or the usual one."""
+    speed, millimetres = config.get("tool", {}).get("travel_speed"), millimetres_of(config["domain"].get("unit"))
+    return speed * millimetres if isinstance(speed, (int, float)) and millimetres else USUAL_SPEED
 
 
 def pauses_of(part):

@@ -13,14 +13,14 @@ from fabseq_tools.run.words import duration
 
 CLEARANCE, TOLERANCE = 2.0, 0.05  # beads
 AXIS_TOLERANCE = 1.0  # degrees
-TRAVEL_SPEED = 50.0  # mm/s
+RAPID_SPEED = 50.0  # mm/s
 
 
 def add_options(parser):
     parser.add_argument("--tolerance", type=positive, help=f"of thinned points (default: {TOLERANCE:g} bead widths)")
     parser.add_argument("--axis-tolerance", type=positive, default=AXIS_TOLERANCE, help="degrees (default: %(default)s)")
     parser.add_argument("--clearance", type=positive, help=f"of travels (default: {CLEARANCE:g} bead widths)")
-    parser.add_argument("--travel-speed", type=positive, default=TRAVEL_SPEED, help="mm/s, arc off (default: %(default)s)")
+    parser.add_argument("--rapid-speed", type=positive, default=RAPID_SPEED, help="mm/s, arc off (default: %(default)s)")
 
 
 def post_process(part, passes, pace, feeds, width, millimetres, options, posts, output, progress):
@@ -39,13 +39,13 @@ def post_process(part, passes, pace, feeds, width, millimetres, options, posts, 
     clearance = options.clearance or CLEARANCE * width
     ways = travels(Standing(part, passes), passes, clearance, progress)
     program = program_of(part, passes, ways, [pace.speeds(one) for one in feeds], pace.known_pauses(), tolerances,
-                         options.travel_speed, millimetres)
+                         options.rapid_speed, millimetres)
     texts = {name: posts[name].program_files(program, options) for name in options.post}
     for name, files in texts.items():
         write_files(files, os.path.join(output, name), posts[name].ENDINGS, posts[name].KEPT)
     welding, travelling, pausing = program.seconds()
     return {"tolerance": tolerances.distance, "axis_tolerance": tolerances.angle, "clearance": clearance,
-            "travel_speed": options.travel_speed, "files": {name: len(files) for name, files in texts.items()},
+            "rapid_speed": options.rapid_speed, "files": {name: len(files) for name, files in texts.items()},
             "waypoints": sum(len(one.points) for one in passes),
             "points": program.points(), "welded_points": program.points(True),
             "seconds": {"welding": welding, "travels": travelling, "pauses": pausing},

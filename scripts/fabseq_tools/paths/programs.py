@@ -49,13 +49,13 @@ class ProgramLayer:
 @dataclasses.dataclass
 class Program:
     """`name`: of the part; `layers`: in the order of deposition; `up`: unit normal of the plate; `plate`: its
-    height along that, mm; `travel_speed`: mm/s with the arc off; `tolerance`: of points left out, mm."""
+    height along that, mm; `rapid_speed`: mm/s with the arc off; `tolerance`: of points left out, mm."""
 
     name: str
     layers: list
     up: np.ndarray
     plate: float
-    travel_speed: float
+    rapid_speed: float
     tolerance: float
 
     def points(self, arc=False):
@@ -68,7 +68,7 @@ class Program:
         for before, one in zip([None, *stretches], stretches):
             way = one.points[:1] if one.arc else one.points
             off += lengths(way if before is None else np.concatenate([before.points[-1:], way])).sum()
-        return (sum(layer.welding()[1] for layer in self.layers), float(off / self.travel_speed),
+        return (sum(layer.welding()[1] for layer in self.layers), float(off / self.rapid_speed),
                 sum(layer.pause for layer in self.layers))
 
 
@@ -77,34 +77,34 @@ def lengths(points):
     return np.linalg.norm(np.diff(points, axis=0), axis=1)
 
 
-def program_of(part, passes, ways, speeds, pauses, tolerances, travel_speed, millimetres):
+def program_of(part, passes, ways, speeds, pauses, tolerances, rapid_speed, millimetres):
     """The program of passes that have their frames, in the config's coordinates. `ways`: Travels; `speeds`:
     at the waypoints of each pass, in lengths of the config per second, `pauses`: by number of the layer;
-    `tolerances`: to which points are thinned; `travel_speed`: mm/s; `millimetres`: of a length of the
+    `tolerances`: to which points are thinned; `rapid_speed`: mm/s; `millimetres`: of a length of the
     config."""
     layers = []
 
     def off(way, one, end):
         count = len(way)
         return Stretch(False, millimetres * way, np.tile(one.axes[end], (count, 1)), np.tile(one.x_axes[end], (count, 1)),
-                       np.full(count, travel_speed), end == 0)
+                       np.full(count, rapid_speed), end == 0)
 
     for one, speed, before, after in zip(passes, speeds, ways[:-1], ways[1:]):
         if not layers or layers[-1].number != one.layer:
             layers.append(ProgramLayer(one.layer, [], pauses.get(one.layer) or 0.0))
-        layers[-1].stretches += [off(before.coming, one, 0), welded(one, speed, tolerances, travel_speed, millimetres),
+        layers[-1].stretches += [off(before.coming, one, 0), welded(one, speed, tolerances, rapid_speed, millimetres),
                                  off(after.leaving, one, -1)]
     layers[-1].pause = 0.0
-    return Program(part.name, layers, part.up, millimetres * plate_height(part.config), travel_speed,
+    return Program(part.name, layers, part.up, millimetres * plate_height(part.config), rapid_speed,
                    millimetres * tolerances.distance)
 
 
-def welded(one, speeds, tolerances, travel_speed, millimetres):
+def welded(one, speeds, tolerances, rapid_speed, millimetres):
     """The stretch of a pass."""
     numbers = kept(one.points, one.axes, 1.0 / speeds, tolerances)
     on_ways = millimetres * speeds_of_ways(one.points, speeds, numbers)
     return Stretch(True, millimetres * one.points[numbers], one.axes[numbers], one.x_axes[numbers],
-                   np.insert(on_ways, 0, travel_speed))
+                   np.insert(on_ways, 0, rapid_speed))
 
 
 def write_files(files, folder, endings, kept_names=()):

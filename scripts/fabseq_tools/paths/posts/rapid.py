@@ -81,7 +81,7 @@ def main_module(program, speeds, arc):
     weld = [f"TASK PERS welddata w{speed:04d}:=[{speed * SPEED_STEP:.1f},0,{arc},{ARC_DATA}];" for speed in sorted(speeds)]
     lines = ["ConfL\\Off;", "ConfJ\\Off;", "SingArea\\Wrist;", *(f"layer{layer.number:03d};" for layer in program.layers)]
     return module("fabseq_main", [f"! {program.name}: {len(program.layers)} layers",
-                                  f"CONST speeddata vTravel:=[{program.travel_speed:g},100,5000,1000];", *weld,
+                                  f"CONST speeddata vTravel:=[{program.rapid_speed:g},100,5000,1000];", *weld,
                                   *procedure("main", lines)])
 
 
