@@ -20,10 +20,13 @@ ToolRange range_of(const ToolSettings& tool) {
 }  // namespace
 
 std::optional<TargetThickness> target_thickness(const Config& config) {
-  if (config.layers.given_target) return TargetThickness{*config.layers.given_target, "/layers/target"};
+  const auto target_of = [&](double bead, const std::string& key) {
+    return TargetThickness{config.layers.passes * bead, key, bead};
+  };
+  if (config.layers.given_target) return target_of(*config.layers.given_target, "/layers/target");
   for (std::size_t i = 0; i < config.constraints.size(); ++i)
     if (const auto target = config.constraints[i].type->facts(config.constraints[i]).target_thickness)
-      return TargetThickness{*target, "/constraints/" + std::to_string(i) + "/target"};
+      return target_of(*target, "/constraints/" + std::to_string(i) + "/target");
   return std::nullopt;
 }
 
@@ -38,8 +41,11 @@ Config read_settings(const Json& document, const std::string& directory,
 }
 
 void complete(Config& config) {
-  if (config.layers.multi_planar)
+  if (config.layers.multi_planar) {
+    config.layers.multi_planar->passes = config.layers.passes;
     complete_layers(*config.layers.multi_planar, config.plate, config.dimension());
+  }
+  if (config.thermal) config.thermal->passes = config.thermal->given_passes.value_or(config.layers.passes);
   config.layers.target = target_thickness(config);
   config.sequence.kind->follow_tool(config.sequence, range_of(config.tool));
   complete_move_limits(config.optimizer, config.sequence, config.objective);

@@ -86,6 +86,14 @@ void check_strain(const Config& config) {
          "a list of numbers, or sequence type " + sequences_with_gradient());
 }
 
+/// A simulated layer stands for one number of real ones.
+void check_passes(const Config& config) {
+  const int passes = config.layers.passes;
+  if (!config.thermal || passes == 1 || config.thermal->passes == passes) return;
+  refuse("/thermal/passes", given(config, "thermal", "passes") + " with layers.passes " + shown(passes),
+         "\"layers\" or the same number");
+}
+
 /// Each rank gathers the layers of all elements.
 void check_torch(const Config& config) {
   if (config.tool.profile.empty()) return;
@@ -179,6 +187,7 @@ void check_rules(const Config& config) {
   check_torch(config);
   check_strain(config);
   if (config.thermal) check_thermal(*config.thermal, config.material, config.process);
+  check_passes(config);
   check_terms(config, config.objective, "objective");
   check_terms(config, config.constraints, "constraints");
   check_largest(config);

@@ -144,17 +144,25 @@ class UnlikelyNumbers {
       say("/tool/bead_width", formatted("%g", tool.bead_width),
           formatted("half an element, %g, to the part's longest edge, %g", 0.5 * part_.smallest_spacing,
                     part_.longest_edge));
-    if (const auto& target = settings_.layers.target; target && target->value > part_.longest_edge)
-      say(target->key, formatted("%g", target->value),
-          formatted("at most the part's longest edge, %g", part_.longest_edge));
-    if (const auto& slices = settings_.layers.multi_planar; slices && slices->thickness > part_.longest_edge)
-      say("/layers/thickness", formatted("%g", slices->thickness),
-          formatted("at most the part's longest edge, %g", part_.longest_edge));
+    if (const auto& target = settings_.layers.target) check_layer(target->key, target->bead);
+    if (const auto& slices = settings_.layers.multi_planar)
+      check_layer("/layers/thickness", slices->thickness);
     double reach = 0.0;
     for (const auto& [height, radius] : tool.profile) reach = std::max({reach, std::abs(height), radius});
     if (!tool.profile.empty() && !profile_reaches.has(reach / part_.longest_edge))
       say("/tool/profile", formatted("a torch that reaches %g", reach),
           formatted("lengths in the unit of the part, whose longest edge is %g", part_.longest_edge));
+  }
+
+  /// Checks the thickness of a real layer, and of those that a simulated one stands for.
+  void check_layer(const std::string& key, double thickness) {
+    const int passes = settings_.layers.passes;
+    const std::string expected = formatted("at most the part's longest edge, %g", part_.longest_edge);
+    if (thickness > part_.longest_edge)
+      say(key, formatted("%g", thickness), expected);
+    else if (passes * thickness > part_.longest_edge)
+      say("/layers/passes", formatted("%d, with which a layer is %g thick", passes, passes * thickness),
+          expected);
   }
 
   /// 90 degrees are 1.57 radians, and a whole turn is 6.28 of them.

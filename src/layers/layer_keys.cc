@@ -78,7 +78,11 @@ Section<LayerSettings> layer_keys() {
            {.type = KeyType::choice, .default_value = to_text("curved"), .words = "curved multi_planar"},
            [](Its& layers, const Json& value, const KeyPlace&) {
              if (value == "multi_planar") layers.multi_planar.emplace();
-           });
+           })
+      .key("passes", &Its::passes,
+           "Real layers, each a bead high, that a simulated layer stands for; thicknesses are those of real "
+           "layers",
+           {.range = "[1, 1000]", .unit = "layers"});
   keys.only_for("curved")
       .key("count", &Its::count, "Number of layers; auto: geodesic height over target thickness, rounded up",
            {.required = true,

@@ -16,9 +16,9 @@ namespace {
 /// `rounded` layers, at least one, for a height; refuses the target thickness that makes too many.
 int layers_of_target(const TargetThickness& target, double height, double rounded) {
   if (rounded <= most_layers) return std::max(1, static_cast<int>(rounded));
-  refuse(target.key, shown(target.value) + " for a height of " + shown(height),
-         "at least " + shown(height / most_layers) + ", that is up to " + std::to_string(most_layers) +
-             " layers");
+  refuse(target.key, shown(target.bead) + " for a height of " + shown(height),
+         "at least " + shown(height / most_layers * (target.bead / target.value)) + ", that is up to " +
+             std::to_string(most_layers) + " layers");
 }
 
 /// Config keeps it from being asked for without a count or a target.
@@ -70,7 +70,7 @@ class CurvedLayerModel : public LayerModel<Dim> {
 /// Slabs of all sub-parts: one alone has the whole part's, several overlap by a half each, as seen with two
 /// to four.
 int estimated_slabs(const MultiPlanarSettings& settings, double longest_edge) {
-  const double slabs = std::ceil(longest_edge / settings.thickness) * (1.0 + settings.subparts) / 2.0;
+  const double slabs = std::ceil(longest_edge / settings.slab_thickness()) * (1.0 + settings.subparts) / 2.0;
   if (slabs + settings.subparts <= most_layers) return static_cast<int>(slabs) + settings.subparts;
   refuse("/layers/thickness", shown(settings.thickness) + " for a part " + shown(longest_edge) + " long",
          "at most " + std::to_string(most_layers) + " layers");
@@ -90,7 +90,7 @@ LayerTraits multi_planar_traits(const MultiPlanarSettings& settings, const Part<
                       .start = settings.angles,
                       .lower = settings.lowest_angles,
                       .upper = settings.highest_angles,
-                      .reach = layers_in_reach * settings.thickness / part.longest_edge(),
+                      .reach = layers_in_reach * settings.slab_thickness() / part.longest_edge(),
                       .columns = Dim - 1,
                       .fixed = settings.fixed_angles};
   traits.sub_parts = settings.subparts;
@@ -109,7 +109,7 @@ class MultiPlanarLayerModel : public LayerModel<Dim> {
     return std::make_unique<MultiPlanarLayers<Dim>>(part_, settings_, variables, binary, negligible);
   }
   int planar_count(double height) const override {
-    return std::max(1, static_cast<int>(std::round(height / settings_.thickness)));
+    return std::max(1, static_cast<int>(std::round(height / settings_.slab_thickness())));
   }
 
  private:

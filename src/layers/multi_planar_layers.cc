@@ -84,7 +84,7 @@ std::vector<double> MultiPlanarLayers<Dim>::heights(int sub_part) const {
 /// Slab j holds (j - 1) w < S <= j w.
 template <int Dim>
 int MultiPlanarLayers<Dim>::sharp_slab(double height) const {
-  return static_cast<int>(std::ceil(height / settings_.thickness - tolerance));
+  return static_cast<int>(std::ceil(height / settings_.slab_thickness() - tolerance));
 }
 
 template <int Dim>
@@ -94,7 +94,7 @@ void MultiPlanarLayers<Dim>::set_slab(std::span<const double> height, int slab,
     for (std::size_t e = 0; e < height.size(); ++e) values[e] = sharp_slab(height[e]) == slab ? 1.0 : 0.0;
     return;
   }
-  const SlabStep step(slab, settings_.thickness, settings_.slab_sharpness);
+  const SlabStep step(slab, settings_.slab_thickness(), settings_.slab_sharpness);
   for (std::size_t e = 0; e < height.size(); ++e) values[e] = step.value(height[e]);
 }
 
@@ -113,8 +113,10 @@ void MultiPlanarLayers<Dim>::find_slabs(const std::vector<std::vector<double>>& 
   }
   max_in_place(part_.grid().comm(), extremes);
   for (std::size_t i = 0; i < height.size(); ++i) {
-    sub_parts.first_slab.push_back(static_cast<int>(std::floor(-extremes[2 * i] / settings_.thickness)));
-    sub_parts.last_slab.push_back(static_cast<int>(std::ceil(extremes[2 * i + 1] / settings_.thickness)) + 1);
+    sub_parts.first_slab.push_back(
+        static_cast<int>(std::floor(-extremes[2 * i] / settings_.slab_thickness())));
+    sub_parts.last_slab.push_back(
+        static_cast<int>(std::ceil(extremes[2 * i + 1] / settings_.slab_thickness())) + 1);
   }
 }
 
@@ -129,7 +131,7 @@ std::vector<std::vector<double>> MultiPlanarLayers<Dim>::largest_densities(
     std::vector<double>& largest = result.emplace_back(last - first + 1, 0.0);
     const std::vector<double>& density = sub_parts.density[i];
     for (std::size_t e = 0; e < density.size(); ++e) {
-      const double place = height[i][e] / settings_.thickness + 0.5;  // j of the slab with this middle
+      const double place = height[i][e] / settings_.slab_thickness() + 0.5;  // j of the slab with this middle
       const int low = binary_ ? sharp_slab(height[i][e]) : static_cast<int>(std::ceil(place - reach));
       const int high = binary_ ? low : static_cast<int>(std::floor(place + reach));
       for (int j = std::max(low, first); j <= std::min(high, last); ++j) {
@@ -213,7 +215,7 @@ typename MultiPlanarLayers<Dim>::FieldDerivatives MultiPlanarLayers<Dim>::deriva
     if (is_layer) add(derivatives.stage[--behind], later);
     both = later;
     if (is_layer) add(derivatives.layer[behind], both);
-    const SlabStep step(j, settings_.thickness, settings_.slab_sharpness);
+    const SlabStep step(j, settings_.slab_thickness(), settings_.slab_sharpness);
     for (std::size_t e = 0; e < elements; ++e) {
       result.sub_part[e] += part_density[e] * step.value(height[e]) * both[e];
       result.height[e] += density[e] * step.derivative(height[e]) * both[e];

@@ -56,7 +56,8 @@ ResponseContext<Dim> PlacedPart<Dim>::context() const {
           settings.tool,
           settings.layers.target ? settings.layers.target->value : 0.0,
           settings.thermal,
-          settings.clock()};
+          settings.clock(),
+          settings.layers.passes};
 }
 
 template <int Dim>

@@ -35,6 +35,7 @@ void write_result(const Setup<Dim>& setup, const OutputDirectory& directory, con
   file.write_attribute("iteration", best.iteration());
   file.write_attribute("beta", best.beta());
   file.write_attribute("layers", static_cast<int>(reports.optimized.layers.size()));
+  if (const int passes = setup.settings.layers.passes; passes > 1) file.write_attribute("passes", passes);
   const std::pair<const char*, const SequenceNumbers*> sequences[] = {
       {"optimized/", &reports.optimized},
       {"binary/", &reports.binary},

@@ -98,7 +98,8 @@ Section<ProcessSettings> process_keys() {
            {.words = "nominal follow", .option = "-deposition"})
       .key("deposition_rate", &Its::deposition_rate, "Wire deposited per hour of welding",
            {.range = "(0, inf)", .words = "none", .unit = "kg/h", .option = "-deposition_rate"})
-      .key("dwell", &Its::dwell, "Pause after each layer", {.range = "[0, inf)", .unit = "s"});
+      .key("dwell", &Its::dwell, "Pause after each real layer (layers.passes)",
+           {.range = "[0, inf)", .unit = "s"});
 }
 
 }  // namespace fabseq

@@ -10,7 +10,7 @@ namespace fabseq {
 namespace {
 
 struct LayerThicknessSettings {
-  double target = 0.0;        ///< length unit
+  double target = 0.0;        ///< of real layers, length unit
   double tolerance = 0.1;     ///< relative to the target
   double least_volume = 0.0;  ///< relative to the mean volume; layers with less are slivers
 
@@ -25,7 +25,7 @@ class LayerThickness : public Response<Dim> {
  public:
   LayerThickness(const ResponseContext<Dim>& context, const LayerThicknessSettings& settings)
       : context_(context),
-        target_(settings.target),
+        target_(context.passes * settings.target),
         tolerance_(settings.tolerance),
         least_volume_(settings.least_volume) {}
 
@@ -81,7 +81,8 @@ class LayerThickness : public Response<Dim> {
   }
 
   ResponseContext<Dim> context_;
-  double target_, tolerance_, least_volume_;
+  double target_;  ///< of a simulated layer, length unit
+  double tolerance_, least_volume_;
 };
 
 const Registered<LayerThickness, LayerThicknessSettings> registered(
@@ -91,7 +92,7 @@ const Registered<LayerThickness, LayerThicknessSettings> registered(
      .needs_time_gradient = true,
      .unit = "times the target"},
     Section<LayerThicknessSettings>("constraints")
-        .key("target", &LayerThicknessSettings::target, "Mean thickness of each layer",
+        .key("target", &LayerThicknessSettings::target, "Mean thickness of each real layer (layers.passes)",
              {.required = true, .range = "(0, inf)", .unit = "length", .option = "-target"})
         .key("tolerance", &LayerThicknessSettings::tolerance, "Allowed deviation, relative to the target",
              {.range = "(0, 1)", .option = "-thickness_tolerance"})

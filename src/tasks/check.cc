@@ -140,6 +140,16 @@ void print_walls(const Part<Dim>& part) {
     print(formatted("thinnest wall: %.2g elements at %s", wall.elements, to_text<Dim>(wall.at).c_str()));
 }
 
+/// What a simulated layer stands for.
+template <int Dim>
+void print_beads(const Setup<Dim>& setup) {
+  const LayerSettings& layers = setup.config.layers;
+  if (layers.passes == 1) return;
+  std::string thickness;
+  if (layers.target) thickness = ", " + length_words(layers.target->bead, setup.settings.unit) + " each";
+  print(formatted("beads: a layer stands for %d one above the other", layers.passes) + thickness);
+}
+
 /// Where no sequence within the tilt can carry the part, whatever it is.
 template <int Dim>
 void print_uncarried(const Setup<Dim>& setup) {
@@ -200,6 +210,7 @@ void run_check(const Setup<Dim>& setup) {
   const LayerTraits& layers = setup.layers->traits();
   print(formatted("layers: %s%d %s, %d planar in the baseline", layers.count_is_estimate ? "about " : "",
                   layers.count, layers.kind.c_str(), setup.baseline->count()));
+  print_beads(setup);
   print(formatted("elements per layer: %.3g; characteristic length %.6g, by default %.6g",
                   elements_per_layer(setup, height), setup.characteristic_length, default_length(setup)));
   const std::int64_t variables =

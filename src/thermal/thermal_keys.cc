@@ -59,8 +59,9 @@ Section<ThermalSettings> thermal_keys() {
            {.range = temperature_range, .unit = "degrees C"})
       .key("reference", &Its::reference, "Temperature at which material.inherent_strain holds",
            {.range = temperature_range, .unit = "degrees C"})
-      .key("passes", &Its::passes, "Real layers per simulated layer, each with its pause",
-           {.range = "[1, inf)", .unit = "layers"})
+      .key("passes", &Its::given_passes,
+           "Real layers per simulated layer, each with its pause; layers: layers.passes",
+           {.range = "[1, inf)", .words = "layers", .unit = "layers"})
       .key("interpass_limit", &Its::interpass_limit,
            "Interpass temperature for which a run reports the pauses",
            {.range = temperature_range, .words = "none", .unit = "degrees C"})

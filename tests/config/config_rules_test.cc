@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <utility>
 
 namespace fabseq {
 namespace {
@@ -65,6 +66,30 @@ TEST(ConfigRulesTest, KeysThatNeedEachOther) {
             "/sequence/direction: found [0,0,0]; allowed: \"auto\" or a vector other than 0");
   EXPECT_EQ(solid_error("baseline.direction", "[0, 0, 0]"),
             "/baseline/direction: found [0,0,0]; allowed: \"auto\", \"best\" or a vector other than 0");
+}
+
+TEST(ConfigRulesTest, PassesOfALayer) {
+  const std::string heat =
+      R"({"conductivity": 0.04, "heat_capacity": 600, "vanishing": 1450, "heat_input": 3e6)";
+  const auto configured = [&](const std::string& passes, const std::string& of_heat) {
+    return Settings{{"layers.passes", passes},
+                    {"thermal", heat + of_heat + "}"},
+                    {"material.mass_density", "7.85e-6"},
+                    {"process.deposition_rate", "2.5"}};
+  };
+  const auto passes = [&](const Settings& settings) {
+    const Config config = configure(solid, settings);
+    return std::pair(config.layers.passes, config.thermal->passes);
+  };
+  EXPECT_EQ(passes(configured("1", "")), std::pair(1, 1));
+  EXPECT_EQ(passes(configured("3", "")), std::pair(3, 3));
+  EXPECT_EQ(passes(configured("3", R"(, "passes": 3)")), std::pair(3, 3));
+  EXPECT_EQ(passes(configured("1", R"(, "passes": 3)")), std::pair(1, 3));
+  EXPECT_EQ(error_of(solid, configured("3", R"(, "passes": 2)")),
+            "/thermal/passes: found 2 with layers.passes 3; allowed: \"layers\" or the same number");
+  EXPECT_EQ(solid_error("layers.passes", "0"), "/layers/passes: found 0; allowed: an integer in [1, 1000]");
+  EXPECT_EQ(solid_error("layers.passes", "1.5"),
+            "/layers/passes: found 1.5; allowed: an integer in [1, 1000]");
 }
 
 TEST(ConfigRulesTest, DirectSequences) {

@@ -63,6 +63,16 @@ TEST(ConfigTest, DefaultsIn3d) {
   EXPECT_FALSE(config.output.stages);
 }
 
+TEST(ConfigTest, ThicknessesAreThoseOfBeads) {
+  const Config config = configure(solid, {{"layers.passes", "3"}});
+  EXPECT_EQ(config.layers.target.value().bead, 0.5);
+  EXPECT_EQ(config.layers.target.value().value, 1.5);
+  EXPECT_EQ(config.layers.height_of(4), 6.0);
+  const Config slabs = configure(
+      plane, {{"layers", R"({"type": "multi_planar", "subparts": 2, "thickness": 0.5, "passes": 3})"}});
+  EXPECT_EQ(slabs.layers.multi_planar.value().slab_thickness(), 1.5);
+}
+
 TEST(ConfigTest, DefaultsOfTermsAndOptimizer) {
   const Config config = configure(solid);
   ASSERT_EQ(config.objective.size(), 2U);

@@ -23,7 +23,7 @@ from fabseq_tools.study.comparison import strains
 from fabseq_tools.study.families import Families
 from fabseq_tools.study.rounds import Rounds
 from fabseq_tools.study.tradeoff import LIMITS, later_schedule, values_of
-from fabseq_tools.run.read_run import Run
+from fabseq_tools.run.read_run import Run, target_thickness
 
 TOOLS = os.path.join(ROOT, "scripts", "fabseq-tools")
 FAMILIES = ["planar", "tilted planar, 60 degrees", "start", "heat", "guided"]
@@ -210,6 +210,14 @@ class CompareFamilies(StudyTest):
                 for angles in layers["angles"]:
                     for angle, (low, high) in zip(angles, layers["angle_bounds"], strict=True):
                         self.assertTrue(low <= angle <= high, (plate, angle, low, high))
+
+    def test_layers_of_several_beads(self):
+        """All families have them, as thick as the layers that they are compared with."""
+        families = Families(hook(layers={"count": 4, "passes": 3}, constraints=[{"type": "layer_thickness", "target": 0.2}]), 0.6)
+        self.assertEqual(target_thickness(families.config), 0.2 * 3)
+        self.assertEqual(families.planar("", "", families.up, 1.8).settings["layers"], {"count": 3, "passes": 3})
+        slabs = families.multi_planar(2, families.up).settings["layers"]
+        self.assertEqual((slabs["passes"], slabs["passes"] * slabs["thickness"]), (3, 0.6))
 
     def test_mistakes(self):
         self.assertIn("--step: found 0", self.refused("compare-families", hook(), "--step", "0"))

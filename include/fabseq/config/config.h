@@ -57,8 +57,8 @@ void complete(Config& config);
 /// them first. Terms may have been left out, but not added or changed.
 void complete_derived(Config& config);
 
-/// How thick layers shall be: as layers.target says, or else the first constraint that has a target. Not
-/// collective.
+/// How thick layers shall be: as layers.target says, or else the first constraint that has a target, for the
+/// real layers of each simulated one. Not collective.
 std::optional<TargetThickness> target_thickness(const Config& config);
 
 /// Settings of the sequence that begins as entry number `start` of optimizer.starts says. `sequence`: the

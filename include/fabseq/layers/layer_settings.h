@@ -22,23 +22,29 @@ constexpr int most_layers = 10000;
 struct MultiPlanarSettings {
   int subparts = 1;                ///< N_P
   std::vector<double> timestamps;  ///< tau_1 ... tau_{N_P - 1}, ascending
-  double thickness = 3.0;          ///< w, length unit
+  double thickness = 3.0;          ///< of a real layer, length unit
+  int passes = 1;                  ///< LayerSettings::passes, once complete
   /// Start angles and their bounds: [sub-part][angle], radians; 2D one angle, 3D elevation and azimuth.
   std::vector<double> angles, lowest_angles, highest_angles;
   double time_sharpness = 100.0;                  ///< k1
   double slab_sharpness = 10.0;                   ///< k2; less than published (results/multi_planar.md)
   bool fixed_angles = false, fixed_time = false;  ///< kept from the optimizer
+
+  /// w, thickness of a simulated layer, length unit.
+  double slab_thickness() const { return passes * thickness; }
 };
 
 /// How thick layers shall be, length unit, and the key that says so.
 struct TargetThickness {
-  double value = 0.0;
+  double value = 0.0;  ///< of a simulated layer
   std::string key;
+  double bead = 0.0;  ///< of a real layer, as the key has it
 };
 
 struct LayerSettings {
   std::optional<int> count;                              ///< none: ceil(geodesic height / target thickness)
-  std::optional<double> given_target = std::nullopt;     ///< length unit; none: the constraints say it
+  int passes = 1;                                        ///< k, real layers that a simulated one stands for
+  std::optional<double> given_target = std::nullopt;     ///< of real layers; none: the constraints say it
   std::optional<TargetThickness> target = std::nullopt;  ///< what counts, where there is any
   bool variable_time_points = false;                     ///< T_1 ... T_{N-1} are design variables
   std::optional<MultiPlanarSettings> multi_planar = std::nullopt;  ///< in place of curved layers

@@ -50,7 +50,7 @@ struct ModelSettings : DomainSettings {
 
   /// How long a machine takes; none: not known.
   std::optional<BuildClock> clock() const {
-    return build_clock(material, process, thermal ? thermal->passes : 1);
+    return build_clock(material, process, thermal ? thermal->passes : layers.passes);
   }
 };
 

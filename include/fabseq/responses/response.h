@@ -33,9 +33,10 @@ struct ResponseContext {
   std::span<const char> start = {};  ///< part field: 1 in a direct sequence's start region; or empty
   int sub_parts = 0;                 ///< number of sub-parts of multi-planar layers, 0 for other layers
   ToolSettings tool = {};            ///< torch and bead
-  double target_thickness = 0.0;     ///< of the layers, length unit; 0: none
+  double target_thickness = 0.0;     ///< of simulated layers, length unit; 0: none
   std::optional<ThermalSettings> thermal = std::nullopt;  ///< of layers whose strains follow the temperature
   std::optional<BuildClock> clock = std::nullopt;         ///< none: the time of the build is not known
+  int passes = 1;                                         ///< real layers that a simulated one stands for
   /// Weight of each part element in smooth counts of a machine's limits (docs/formulation.md 13.2); null: all
   /// alike.
   const std::vector<double>* element_weights = nullptr;

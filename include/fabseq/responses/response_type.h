@@ -58,7 +58,7 @@ struct TermFacts {
   bool asks_for_squares = false;  ///< the config asks to hand it to the optimizer as a sum of squares
   bool offers_squares = false;    ///< it may be handed over so unasked, with scaling current
   std::vector<std::string> node_sets = {};                ///< names of those that it measures
-  std::optional<double> target_thickness = std::nullopt;  ///< of layers, that it aims at, length unit
+  std::optional<double> target_thickness = std::nullopt;  ///< of real layers, that it aims at, length unit
 };
 
 /// A type of term. Nothing here but make() is collective; make() is so on the grid's communicator.

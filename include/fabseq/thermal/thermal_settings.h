@@ -23,7 +23,8 @@ struct ThermalSettings {
   double ambient = 20.0;                  ///< T_a, of the air
   double plate = 20.0;                    ///< T_p, held on the plate's face of the box
   double reference = 20.0;                ///< T_r, at which the inherent strain holds
-  int passes = 1;                         ///< m, real layers per simulated layer
+  std::optional<int> given_passes;        ///< m; none: layers.passes
+  int passes = 1;                         ///< m, real layers per simulated layer, once complete
   std::optional<double> interpass_limit;  ///< what pauses are reported for
   std::array<int, 2> steps = {4, 4};      ///< n_d while material is deposited, n_w in the last pause
 };

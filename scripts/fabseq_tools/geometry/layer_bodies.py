@@ -17,7 +17,7 @@ from fabseq_tools.geometry.slopes import node_slopes
 from fabseq_tools.geometry.slivers import join_slivers, join_thin_ends
 from fabseq_tools.run.command_line import RunError
 from fabseq_tools.run.progress import SILENT
-from fabseq_tools.run.read_run import Run, check_grid
+from fabseq_tools.run.read_run import Run, check_grid, passes_of
 
 GROUPS = {"optimized": "", "planar": "planar/", "start": "start/"}
 BLOCKS = {"optimized": ("optimized", "simulated"), "planar": ("baseline",), "start": ("start",)}
@@ -93,7 +93,7 @@ class LayeredPart:
         elevation, azimuth = np.moveaxis(file["angles"][()], -1, 0)
         across = np.cos(elevation)
         directions = np.stack([across * np.cos(azimuth), across * np.sin(azimuth), np.sin(elevation)], axis=1)
-        width = self.config["layers"]["thickness"]
+        width = passes_of(self.config) * self.config["layers"]["thickness"]
         return [Layer(number, (row["slab"] - 1) * width, row["slab"] * width, directions[row["subpart"] - 1], row["subpart"])
                 for number, row in enumerate(table, start=1)]
 

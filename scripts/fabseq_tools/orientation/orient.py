@@ -28,6 +28,7 @@ out, and the terminal and orientation.json (notes) say what and why.
 """
 
 import functools
+import json
 import math
 import os
 import re
@@ -44,7 +45,7 @@ from fabseq_tools.plot.virtual_display import ensure_display
 from fabseq_tools.run.command_line import RunError, count, parse, parser_of, require_program, run_program, write_json
 from fabseq_tools.run.machine import HELP, OPTION, config_with_machine, settings_for
 from fabseq_tools.run.places import PROGRAM
-from fabseq_tools.run.read_run import read_config, read_fields, read_json, target_thickness
+from fabseq_tools.run.read_run import passes_entry, passes_of, read_config, read_fields, read_json, target_thickness
 from fabseq_tools.run.verdict_words import in_short, verdict_of
 
 COMMAND = "orient"
@@ -131,7 +132,7 @@ class AsGiven:
         """Of a layer: the config's, or else its mean."""
         layers = self.config["layers"]
         if layers.get("type") == "multi_planar":
-            return layers.get("thickness", 3.0)
+            return passes_of(self.config) * layers.get("thickness", 3.0)
         target = target_thickness(self.config)
         if target is not None:
             return target
@@ -226,7 +227,8 @@ def record_of(arguments, given, turn):
             run_program(arguments, path, "simulate", "-binary", "-overwrite", "-output", os.path.join(folder, "start"))
             record["start"] = block_of(os.path.join(folder, "start"))
         planar_count = max(1, math.floor(sizes["height"] / target + 0.5))  # as the program rounds its baseline
-        planar = ["-set", 'sequence={"type": "planar"}', "-set", f'layers={{"count": {planar_count}}}']
+        planar_layers = json.dumps({"count": planar_count} | passes_entry(config))
+        planar = ["-set", 'sequence={"type": "planar"}', "-set", f"layers={planar_layers}"]
         run_program(arguments, path, "simulate", *planar, "-overwrite", "-output", os.path.join(folder, "planar"))
         record["planar"] = block_of(os.path.join(folder, "planar"))
         notes = write_config_to_go_on(arguments, given, turn, folder, turned["layers"].get("count"), planar_count)
@@ -261,7 +263,7 @@ def write_config_to_go_on(arguments, given, turn, folder, layers, planar):
 def layers_of(config, count):
     if config["layers"].get("type") == "multi_planar":
         return config["layers"]
-    return {"count": max(1, math.ceil(count - 1e-9))}
+    return {"count": max(1, math.ceil(count - 1e-9))} | passes_entry(config)
 
 
 def block_of(directory):

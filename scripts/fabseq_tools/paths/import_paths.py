@@ -53,7 +53,7 @@ from fabseq_tools.paths.path_files import read_paths
 from fabseq_tools.paths.path_sequence import sequence_fields
 from fabseq_tools.paths.waypoints import Beads, Waypoints
 from fabseq_tools.run.command_line import RunError, parser_of, share, warn
-from fabseq_tools.run.read_run import Run, read_config, target_thickness
+from fabseq_tools.run.read_run import Run, bead_thickness, read_config
 
 COMMAND = "import-paths"
 
@@ -128,8 +128,8 @@ def misfits(points, config, result):
 
 
 def layers_of_paths(config, count):
-    """The section of as many layers, with the target thickness that the config's are judged by."""
-    target = target_thickness(config)
+    """The section of as many layers, with the target thickness that the config's beads are judged by."""
+    target = bead_thickness(config)
     return json.dumps({"type": "curved", "count": count} | ({} if target is None else {"target": target}))
 
 

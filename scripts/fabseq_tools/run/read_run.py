@@ -79,9 +79,9 @@ class Run:
                 "layerwise": "root of the sum of all layers' squared displacements"}.get(term.get("measure"), "first objective")
 
     def thickness_constraint(self):
-        """The config's layer_thickness constraint, or None."""
+        """The config's layer_thickness constraint with the target of simulated layers, or None."""
         found = [c for c in self.config.get("constraints", []) if c["type"] == "layer_thickness"]
-        return {"tolerance": 0.1, **found[0]} if found else None
+        return {"tolerance": 0.1, **found[0], "target": passes_of(self.config) * found[0]["target"]} if found else None
 
     def layers(self, block):
         """Number (from 1), thickness, cv and volume of the layers that hold an element at least: what is less
@@ -92,8 +92,24 @@ class Run:
         return [dict(layer, number=j) for j, layer in enumerate(table, start=1) if layer["volume"] > least]
 
 
+def passes_of(config):
+    """Real layers, each a bead high, that a simulated layer stands for."""
+    return config.get("layers", {}).get("passes", 1)
+
+
+def passes_entry(config):
+    """The same as a part of a section `layers`, empty where each layer is real."""
+    return {"passes": passes_of(config)} if passes_of(config) > 1 else {}
+
+
 def target_thickness(config):
-    """How thick layers shall be: as layers.target says, or else a layer_thickness constraint, or None."""
+    """How thick simulated layers shall be, or None."""
+    bead = bead_thickness(config)
+    return None if bead is None else passes_of(config) * bead
+
+
+def bead_thickness(config):
+    """How thick real layers shall be, by layers.target or else a layer_thickness constraint, or None."""
     given = config.get("layers", {}).get("target")
     if isinstance(given, (int, float)):
         return given

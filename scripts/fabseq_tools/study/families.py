@@ -8,6 +8,7 @@ import numpy as np
 
 from fabseq_tools.geometry.grid import node_positions, nodes_of
 from fabseq_tools.run.machine import NOT_TURNED, torch_tilts
+from fabseq_tools.run.read_run import passes_entry, passes_of
 from fabseq_tools.study.rounds import with_constraint
 
 ANY_TILT, ALL_AROUND = 180.0, 90.0  # degrees: without a limit, and the least that bounds no direction
@@ -69,12 +70,12 @@ class Families:
 
     def curved_layers(self):
         own = self.config["layers"]
-        return own if own.get("type", "curved") == "curved" else {"count": "auto"}
+        return own if own.get("type", "curved") == "curved" else {"count": "auto"} | passes_entry(self.config)
 
     def planar(self, label, name, direction, height):
         """Planar layers of the target thickness across a direction, along which the part is that high."""
         sequence = {"type": "planar", "direction": [round(float(x), 6) for x in direction]}
-        settings = {"sequence": sequence, "layers": {"count": max(1, round(height / self.target))}}
+        settings = {"sequence": sequence, "layers": {"count": max(1, round(height / self.target))} | passes_entry(self.config)}
         return Family(label, name, settings | self.terms(curved=True), "simulate")
 
     def one_layer(self):
@@ -102,8 +103,8 @@ class Families:
 
     def multi_planar(self, subparts, lean):
         """Sub-parts that start with ever more tilt towards `lean`, a direction."""
-        layers = {"type": "multi_planar", "subparts": subparts, "thickness": self.target,
-                  "angles": [self.angles(self.tilted(lean, tilt)) for tilt in self.leans(subparts)],
+        layers = {"type": "multi_planar", "subparts": subparts, "thickness": self.target / passes_of(self.config),
+                  **passes_entry(self.config), "angles": [self.angles(self.tilted(lean, tilt)) for tilt in self.leans(subparts)],
                   "angle_bounds": self.angle_bounds()}
         settings = {"sequence": self.sequence("heat"), "layers": layers}
         return Family(f"multi-planar, {subparts} sub-parts", f"multi_planar_{subparts}", settings | self.terms(curved=False))
