@@ -36,7 +36,7 @@ class MachineDefaults {
     };
     put_if_known("process", "deposition_rate", machine_.deposition_rate);
     if (!is_object("thermal")) return;
-    put("thermal", "passes", beads());
+    if (!has_passes()) put("thermal", "passes", beads());
     put_if_known("thermal", "interpass_limit", machine_.interpass_limit);
   }
 
@@ -88,8 +88,12 @@ class MachineDefaults {
     return std::nullopt;
   }
 
-  /// How many beads a layer of the config stands for: what it says, or else as fits best.
+  /// Whether the config says how many real layers a simulated one stands for: lengths are of real ones then.
+  bool has_passes() const { return find_member(document_, "layers", "passes") != nullptr; }
+
+  /// How many beads such a length stands for: what the config says, or else as fits best.
   int beads() const {
+    if (has_passes()) return 1;
     const Json* given = find_member(document_, "thermal", "passes");
     if (given != nullptr && given->is_number_integer() && *given >= 1) return given->get<int>();
     constexpr double most = 1e6;

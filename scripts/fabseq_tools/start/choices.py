@@ -5,19 +5,20 @@ import math
 
 from fabseq_tools.run.check_words import percent
 from fabseq_tools.run.command_line import RunError
+from fabseq_tools.start.beads import Beads
+from fabseq_tools.start.bound import MOST_ELEMENTS, Bound
 from fabseq_tools.start.config_text import plain
-from fabseq_tools.start.entries import entries_of
+from fabseq_tools.start.entries import Layers, entries_of
 from fabseq_tools.start.holes import stock_of
 from fabseq_tools.start.look import MOST_LOOKS, OUTSIDE, found_in
 from fabseq_tools.start.materials import material_of
 
-MOST_ELEMENTS = 50_000   # of the part: by default
 ACROSS_WALL, ACROSS_LAYER, LEAST_ACROSS_LAYER = 3, 4, 2.5  # elements (docs/how-to/choose-what-to-optimize.md)
 NEAR_BOUND = 0.8         # from this share of a bound on, elements are small enough
+ACROSS_BEADS = LEAST_ACROSS_LAYER  # where layers are thick so that a run takes minutes
 CLOSE = 1.06             # between two edges that are tried
 EXCESS = 1.05            # of the layers over the geodesic height
 MOST_LAYERS = 10_000
-PROGRAM_ALONE = 0.06     # GB of a run without elements
 FEW_LOST = 0.01          # of the part: more of it is worth smaller elements
 FINER = 0.75             # times the edge, where smaller elements may hold more of it
 
@@ -39,8 +40,10 @@ def rounded(value):
 class Element:
     """The element's edge as `found.edge`, why, and how many elements a wall may have at least."""
 
-    def __init__(self, arguments, look, target):
-        self.arguments, self.look, self.unit, self.target = arguments, look, arguments.unit, target
+    def __init__(self, arguments, look, target, across=ACROSS_LAYER):
+        self.arguments, self.look, self.unit = arguments, look, arguments.unit
+        self.target, self.across = target, across
+        self.bound = Bound(arguments, look)
         self.warnings, self.least_elements = [], None
         self.start()
         if self.found.most_hangs() and arguments.keep is None:
@@ -53,54 +56,32 @@ class Element:
         first, target = self.look.first(), self.target
         if target:
             self.look.layers = layers_for(first, target)
-        self.least_edge = self.edge_of_bound(first)
-        wanted = target / ACROSS_LAYER if target else max(self.least_edge, (first.volume / MOST_ELEMENTS) ** (1 / 3))
-        self.why = [f"a quarter of a layer of {target:g} {self.unit}" if target else self.bound()]
+        self.least_edge = self.bound.edge_of(first)
+        wanted = target / self.across if target else max(self.least_edge, (first.volume / MOST_ELEMENTS) ** (1 / 3))
+        part = "a quarter of a" if self.across == ACROSS_LAYER else f"{self.across:g} in a"
+        self.why = [f"{part} layer of {target:g} {self.unit}" if target else self.bound.words()]
         self.found = self.within_bound(wanted)
         self.join()
-
-    def bound(self):
-        if self.arguments.memory:
-            return f"at most {self.arguments.memory:g} GB (--memory)"
-        return f"at most {self.arguments.elements or MOST_ELEMENTS:,.0f} elements (--elements)"
-
-    def fits(self, found):
-        if self.arguments.memory:
-            return self.memory(found) <= self.arguments.memory
-        return self.look.counted(found) <= (self.arguments.elements or MOST_ELEMENTS)
-
-    def memory(self, found):
-        return found.memory * self.look.counted(found) / found.elements
-
-    def usage(self, found):
-        """Of the bound, as a share."""
-        if self.arguments.memory:
-            return max(self.memory(found) - PROGRAM_ALONE, 0.01) / max(self.arguments.memory - PROGRAM_ALONE, 0.01)
-        return self.look.counted(found) / (self.arguments.elements or MOST_ELEMENTS)
-
-    def edge_of_bound(self, found):
-        """The smallest edge within the bound, about."""
-        return found.edge * self.usage(found) ** (1 / 3)
 
     def within_bound(self, wanted):
         """With elements of the wanted size, or with the smallest that the bound allows."""
         if wanted < self.least_edge:
-            self.why = [f"{self.why[0]} would be {wanted:.3g} {self.unit}, but {self.bound()}"]
+            self.why = [f"{self.why[0]} would be {wanted:.3g} {self.unit}, but {self.bound.words()}"]
         best, edge = None, max(wanted, self.least_edge)
         for _ in range(MOST_LOOKS):
             found = self.look.at(rounded(edge))
-            if self.fits(found):
-                best, self.least_edge = found, min(self.least_edge, self.edge_of_bound(found))
-                if edge <= wanted or self.usage(found) > NEAR_BOUND:
+            if self.bound.fits(found):
+                best, self.least_edge = found, min(self.least_edge, self.bound.edge_of(found))
+                if edge <= wanted or self.bound.usage(found) > NEAR_BOUND:
                     return found
                 edge = max(wanted, self.least_edge)
             elif best and best.edge < CLOSE * edge:
                 return best
             else:
-                edge = math.sqrt(edge * best.edge) if best else edge * max(CLOSE, self.usage(found) ** (1 / 3))
+                edge = math.sqrt(edge * best.edge) if best else edge * max(CLOSE, self.bound.usage(found) ** (1 / 3))
         if best:
             return best
-        raise RunError(f"{self.bound()}: found {found.elements:,} elements and {found.memory:g} GB still with elements of "
+        raise RunError(f"{self.bound.words()}: found {found.elements:,} elements and {found.memory:g} GB still with elements of "
                        f"{found.edge:g} {self.unit}; allowed: a larger bound")
 
     def join(self):
@@ -110,7 +91,7 @@ class Element:
         while best.lost() > FEW_LOST and rounded(FINER * edge) >= self.least_edge:
             edge = rounded(FINER * edge)
             found = self.look.at(edge)
-            if not self.fits(found):
+            if not self.bound.fits(found):
                 break
             if found.lost() < 0.5 * best.lost():
                 best = found
@@ -127,7 +108,7 @@ class Element:
                 break
             finer = rounded(self.found.edge * max(self.found.wall, 1.0) / ACROSS_WALL)
             found = self.look.at(finer) if finer >= self.least_edge else None
-            if not found or not self.fits(found):
+            if not found or not self.bound.fits(found):
                 break
             self.found = found
         if self.found.wall < ACROSS_WALL:
@@ -138,8 +119,8 @@ class Element:
     def accept_wall(self, found):
         self.found, self.least_elements = found, math.floor(10.0 * found.wall - 0.5) / 10.0  # it is printed with two digits
         self.warnings.append(f"{found.wall:g} element{'s' * (found.wall != 1)} across the wall at {found.wall_at}, advised are "
-                             f"{ACROSS_WALL}: {self.bound()}, which leaves no smaller elements. If the part runs out to an edge "
-                             "there, nothing is lost; else bending there is a rough guess")
+                             f"{ACROSS_WALL}: {self.bound.words()}, which leaves no smaller elements. If the part runs out to an "
+                             "edge there, nothing is lost; else bending there is a rough guess")
 
 
 def refuse_hanging(arguments, found):
@@ -163,40 +144,56 @@ def warnings_of(text, found):
     return [text]
 
 
+def sized(arguments, look):
+    """The element, the thickness of a layer and why, and the beads of layers, if they are given."""
+    why = "the bead's height (--bead-height)"
+    if arguments.machine and not (arguments.thickness or arguments.bead_height):
+        arguments.bead_height, why = arguments.machine.target, "the height of the machine's bead"
+    if arguments.bead_height:
+        def element_for(target):
+            across = ACROSS_LAYER if target == arguments.bead_height else ACROSS_BEADS
+            return Element(arguments, look, target, across)
+
+        beads = Beads(arguments, look, element_for, ACROSS_BEADS)
+        if beads.passes > 1:
+            why = f"{why}, times the {beads.passes} beads that a simulated layer stands for"
+        return beads.element, beads.target(), why, beads
+    element = Element(arguments, look, arguments.thickness)
+    if arguments.thickness:
+        return element, arguments.thickness, "as asked for (--thickness)", None
+    return element, rounded(ACROSS_LAYER * element.found.edge), "four elements; --thickness is what you deposit", None
+
+
 def choose(arguments, look):
     """The entries of the config, what there is to tell of it, and warnings."""
     material, material_warnings = material_of(arguments)
-    target = arguments.thickness or arguments.bead_height or (arguments.machine and arguments.machine.target)
-    element = Element(arguments, look, target)
+    element, target, why_target, beads = sized(arguments, look)
     found, warnings = element.found, material_warnings + element.warnings
-    if target:
-        why_target = ("as asked for (--thickness)" if arguments.thickness else
-                      "the bead's height (--bead-height)" if arguments.bead_height else "the height of the machine's bead")
-    else:
-        target, why_target = rounded(ACROSS_LAYER * found.edge), "four elements; --thickness is what you deposit"
     if target / found.edge < LEAST_ACROSS_LAYER:
         warnings.append(f"a layer of {target:g} {arguments.unit} has {target / found.edge:.2g} elements, needs "
                         f"{LEAST_ACROSS_LAYER:g}, better {ACROSS_LAYER}: allow more elements (--elements, --memory), or thicker "
                         f"layers, of {LEAST_ACROSS_LAYER * found.edge:.3g} {arguments.unit} or more; one thick layer may stand "
-                        "for several")
+                        "for several (--bead-height)")
     refuse_hanging(arguments, found)
     if found.floor:
         warnings.append(look.why_floor(found))
     if found.standing > 1:
         warnings.append(f"{found.standing} pieces stand on the plate: they have no release, so what is made small is the shape "
                         "on the plate")
-    count = layers_for(found, target)
-    entries = entries_of(arguments, look, element, material, target, why_target, count)
+    count, passes = layers_for(found, target), beads.passes if beads else 1
+    entries = entries_of(arguments, look, element, material, Layers(target, why_target, count, passes))
     printed, said = look.check(plain(entries))
     stock, remarks, uncarried = stock_of(arguments, printed)
     if stock:  # the part is another one, and may be less high along itself
         printed, _ = look.check(plain(entries) | plain([stock]))
         count = layers_for(found_in(found.edge, found.floor, printed, []), target)
-        entries = entries_of(arguments, look, element, material, target, why_target, count)
+        entries = entries_of(arguments, look, element, material, Layers(target, why_target, count, passes))
         entries.insert(3, stock)  # behind the part
         printed, said = look.check(plain(entries))
     last = found_in(found.edge, found.floor, printed, said)
     if arguments.memory and last.memory > arguments.memory:
         warnings.append(f"a run takes {last.memory:g} GB, more than --memory {arguments.memory:g}")
     entries[1].remark += (f" {last.elements:,} elements, {last.memory:g} GB on one rank, about {last.seconds:g} s an iteration.")
+    if beads:
+        remarks = [beads.words(count, last), *remarks]
     return entries, remarks, warnings + uncarried + [line for text in last.warnings for line in warnings_of(text, found)]

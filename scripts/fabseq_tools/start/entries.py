@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The keys of a config for a mesh, each with the reason for its value."""
 
+import dataclasses
 import os
 
 from fabseq_tools.run.check_words import ANY_TILT, percent
@@ -10,7 +11,30 @@ NARROW = 0.3  # of the part's volume over its geodesic height: a plate contact b
 THICKNESS = [0.6, 1.6]  # local, relative to the target: optimized parts keep it (benchmarks/evidence/results/machine.md)
 
 
-def entries_of(arguments, look, element, material, target, why_target, count):
+@dataclasses.dataclass
+class Layers:
+    """Thickness of a simulated layer and the reason for it; number of layers, and of beads in each."""
+
+    target: float
+    why: str
+    count: int
+    passes: int
+
+    def bead(self):
+        """The thickness of a real layer."""
+        return float(f"{self.target / self.passes:.12g}")
+
+    def entry(self):
+        return {"count": self.count} | ({"passes": self.passes} if self.passes > 1 else {})
+
+    def passes_words(self):
+        if self.passes == 1:
+            return ""
+        return (f" Each stands for {self.passes} beads (passes), each {self.bead():g} high: all thicknesses here are those of "
+                "beads.")
+
+
+def entries_of(arguments, look, element, material, layers):
     unit, found = arguments.unit, element.found
     mesh = look.mesh() | ({} if element.least_elements is None else {"least_elements": element.least_elements})
     wall = "The program refuses fewer than 3 elements across a wall."
@@ -29,12 +53,13 @@ def entries_of(arguments, look, element, material, target, why_target, count):
         Entry("part", part, wall),
         Entry("node_sets", {"skin": {"all": True, "surface": True}}, "What a scan sees."),
         material,
-        sequence(arguments, count * target, found),
-        Entry("layers", {"count": count}, f"Geodesic height {found.geodesic:g} {unit} over the thickness, and 5 % more."),
+        sequence(arguments, layers.count * layers.target, found),
+        Entry("layers", layers.entry(),
+              f"Geodesic height {found.geodesic:g} {unit} over the thickness, and 5 % more.{layers.passes_words()}"),
         Entry("projection", {"interval": interval},
               "Iterations between two sharpnesses: a third of the run or more is left for the last one."),
         Entry("objective", objective(arguments, found), "What is made small. The first term is printed."),
-        Entry("constraints", constraints(arguments, target, why_target),
+        Entry("constraints", constraints(arguments, layers),
               "What holds: the machine's limits, so that the result can be built. The verdict of the run says whether it can."),
         *tools(arguments),
         Entry("baseline", {"direction": "best"},
@@ -112,9 +137,10 @@ def tilt_words(arguments):
     return f"max_tilt is the largest angle, in degrees, between torch and plate's normal: {usual}."
 
 
-def constraints(arguments, target, why_target):
-    result = [Entry("", {"type": "layer_thickness", "target": target, "least_volume": 0.05},
-                    f"Every layer this thick on average, within 10 %: {why_target}."),
+def constraints(arguments, layers):
+    one = "layer" if layers.passes == 1 else "bead"
+    result = [Entry("", {"type": "layer_thickness", "target": layers.bead(), "least_volume": 0.05},
+                    f"Every {one} this thick on average, within 10 %: {layers.why}."),
               Entry("", {"type": "last_layer"}, "The part ends with a whole layer."),
               Entry("", {"type": "local_thickness"},
                     "Place by place within tool.thickness. Without a limit this and what follows adapt to the exact checks until "

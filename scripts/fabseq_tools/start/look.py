@@ -96,7 +96,7 @@ class Look:
         """A config that the program takes however thin walls are."""
         return {"domain": self.domain(edge, floor), "part": {"mesh": {**self.mesh(), "least_elements": 0}, "keep": "connected"},
                 "sequence": {"type": "heat"}, "layers": {"count": self.layers}, "node_sets": {"all": {"all": True}},
-                "objective": [{"type": "distortion", "nodes": "all"}]}
+                "objective": [{"type": "distortion", "measure": "shape", "nodes": "all"}]}
 
     def box_of_mesh(self):
         """Its two corners."""

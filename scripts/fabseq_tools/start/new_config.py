@@ -2,7 +2,8 @@
 """Writes a config for a part from a mesh, and says what it has chosen and why.
 
     fabseq-tools new PART [-o CONFIG.json] [--overwrite] [--machine CELL] [--unit mm] [--scale FACTOR]
-                     [--thickness T | --bead-height H] [--bead-width W] [--max-tilt DEGREES]
+                     [--thickness T | --bead-height H] [--minutes M] [--bead-width W]
+                     [--max-tilt DEGREES]
                      [--sequence heat|guided] [--keep connected|all] [--fill-holes] [--rotate X,Y,Z]
                      [--elements N | --memory GB] [--material NAME] [--iterations N]
                      [--program build/release/fabseq]
@@ -12,10 +13,12 @@ of several sizes. What is chosen stands in the config, each with the reason as a
 
 - The machine: --machine is a machine file, or the name of one of configs/machines. Bead, torch, tilt, range
   of thickness and plate follow from it, unless an option here says otherwise.
-- The layers' thickness: --thickness, or the height of a bead. Without either: four elements.
-- The element: a quarter of a layer, and no more than a third of the thinnest wall. --elements bounds how many
-  the part has (default: 50,000), --memory what a run takes on one rank. Where the bound does not leave three
-  elements across a wall, or where the part runs out to an edge, part.mesh.least_elements lets it pass.
+- The layers' thickness: --thickness. With --bead-height or a machine a simulated layer stands for as many beads
+  (layers.passes) as a run of about 30 minutes on one rank needs, or of --minutes. Without any: four elements.
+- The element: a quarter of a layer, 2.5 in a layer of beads, and no more than a third of the thinnest wall.
+  --elements bounds how many the part has (default: 50,000), --memory what a run takes on one rank. Where the
+  bound does not leave three elements across a wall, or where the part runs out to an edge,
+  part.mesh.least_elements lets it pass.
 - The number of layers: the geodesic height over the thickness, and 5 % more.
 - The tilt: torch and plate's normal have up to 60 degrees between them; --max-tilt says otherwise, 180 is no
   limit.
@@ -49,6 +52,7 @@ from fabseq_tools.run.command_line import RunError, count, number, parser_of, po
 from fabseq_tools.run.machine import OPTION
 from fabseq_tools.run.places import PROGRAM, SCRIPTS
 from fabseq_tools.run.progress import Progress
+from fabseq_tools.start.beads import MINUTES
 from fabseq_tools.start.choices import choose
 from fabseq_tools.start.config_text import config_text
 from fabseq_tools.start.look import Look
@@ -130,8 +134,10 @@ def parsed(words):
     parser.add_argument("--scale", type=positive, default=1.0, help="from the file's unit to the config's")
     thickness = parser.add_mutually_exclusive_group()
     thickness.add_argument("--thickness", type=positive, metavar="T", help="of a layer")
-    thickness.add_argument("--bead-height", type=positive, metavar="H", help="a layer is as thick as a bead is high")
+    thickness.add_argument("--bead-height", type=positive, metavar="H", help="of which a simulated layer may stand for several")
     parser.add_argument("--bead-width", type=positive, metavar="W")
+    parser.add_argument("--minutes", type=positive, metavar="M",
+                        help=f"of a run on one rank, about, with --bead-height (default: {MINUTES})")
     parser.add_argument("--max-tilt", type=tilt, metavar="DEGREES",
                         help=f"between torch and plate's normal (default: the machine's, or {USUAL_TILT:g}; 180: no limit)")
     parser.add_argument("--sequence", choices=["heat", "guided"], help="default: guided with a tilt below 90, else heat")
@@ -146,6 +152,10 @@ def parsed(words):
     parser.add_argument("--iterations", type=count, default=120, metavar="N", help="default: %(default)s")
     parser.add_argument("--program", default=PROGRAM)
     arguments = parser.parse_args(with_negative_turns(words))
+    if arguments.minutes and (arguments.thickness or not (arguments.bead_height or arguments.machine)):
+        raise RunError("--minutes: found without --bead-height; allowed: with it or with a machine's bead, as it decides how "
+                       "many beads are a layer")
+    arguments.minutes = arguments.minutes or MINUTES
     arguments.ranks, arguments.rest = 1, []
     arguments.millimetres = millimetres_of(arguments.unit)
     return arguments
