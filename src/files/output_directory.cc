@@ -29,7 +29,8 @@ constexpr auto files_of_a_run = std::to_array<std::string_view>(
      "summary.json",         "starts.json",          "evaluation.json",     "gradients.h5",
      "checkpoint/slot_0.h5", "checkpoint/slot_1.h5", "checkpoint/newest",   "stop",
      "output_now",           "gradient_check.csv",   "gradient_check.json", "gradient_check.svg",
-     "sensitivity.json",     "sensitivity.csv",      "sensitivity.svg",     mark_of_a_run});
+     "sensitivity.json",     "sensitivity.csv",      "sensitivity.svg",     "beads/config.json",
+     "beads/result.h5",      "beads/result.xdmf",    "beads/summary.json",  mark_of_a_run});
 
 [[noreturn]] void fail(const std::string& action, const fs::path& path, const std::string& reason) {
   throw OutputError("cannot " + action + " '" + path.string() + "': " + reason);
@@ -56,7 +57,7 @@ void remove_run(const fs::path& directory) {
     remove_file(partial_name((directory / name).string()));
     remove_file(directory / name);
   }
-  for (const char* folder : {"fields", "checkpoint"})
+  for (const char* folder : {"fields", "checkpoint", beads_folder})
     fs::remove(directory / folder, error);  // stays if it is not empty
 }
 

@@ -106,6 +106,7 @@ std::vector<std::string> summary_table(const Summary& summary) {
   rows.push_back({"optimized", &reports.binary});
   std::vector<std::string> lines = {headline.words.front()};
   for (std::string& row : rows_of(rows, summary.settings, headline.released)) lines.push_back(std::move(row));
+  if (const auto& real = reports.binary.real_layers) lines.push_back(words_of(*real));
   add_some(lines, headline.places, most_places, places_in_all(reports.binary));
   std::vector<std::string> remarks(headline.words.begin() + 1, headline.words.end());
   std::ranges::move(reports.binary.found.words_in(ToldIn::table), std::back_inserter(remarks));
@@ -120,6 +121,7 @@ std::vector<std::string> simulation_table(const SequenceNumbers& numbers, const 
   const bool released = numbers.finished->released.has_value();
   for (std::string& row : rows_of({{"simulated", &numbers}}, settings, released))
     lines.push_back(std::move(row));
+  if (numbers.real_layers) lines.push_back(words_of(*numbers.real_layers));
   std::vector<std::string> places;
   if (numbers.found.places)
     for (const Place& place : numbers.found.places->largest)

@@ -15,9 +15,9 @@ Json to_record(const ComparedSequence& compared) {
 }
 
 /// The thickness over the target, degrees, a depth; nothing of what hangs.
-Json worst_of(const Place& place, const ModelSettings& settings) {
+Json worst_of(const Place& place, const Bead& bead) {
   if (place.fault == Fault::hanging) return {};
-  return place.fault == Fault::local_thickness ? place.worst / settings.layers.target->value : place.worst;
+  return place.fault == Fault::local_thickness ? place.worst / bead.height : place.worst;
 }
 
 Json to_record(const Place& place, const FaultyPlaces& all, const ModelSettings& settings) {
@@ -38,7 +38,7 @@ Json to_record(const Place& place, const FaultyPlaces& all, const ModelSettings&
                        {"upper", place.upper},
                        {"layer", place.layer},
                        {"small", all.bead.is_larger_than(place)},
-                       {"worst", worst_of(place, settings)},
+                       {"worst", worst_of(place, all.bead)},
                        {"words", words_of(place, all, settings)}});
 }
 
@@ -53,6 +53,15 @@ Json to_record(const Verdict& verdict) {
                        {"class", name_of(verdict.build_class)},
                        {"words", verdict.words()},
                        {"reasons", reasons}});
+}
+
+Json to_record(const RealLayers& layers) {
+  return Json::object({{"passes", layers.passes},
+                       {"count", layers.count},
+                       {"elements", layers.elements},
+                       {"elements_per_bead", layers.per_bead},
+                       {"simulated", to_record(layers.simulated)},
+                       {"words", words_of(layers)}});
 }
 
 Json to_record(const FaultyPlaces& places, const ModelSettings& settings) {

@@ -9,6 +9,8 @@
 namespace fabseq {
 
 Json to_record(const Verdict& verdict);
+/// The block "real_layers".
+Json to_record(const RealLayers& layers);
 Json to_record(const Headline& headline);
 /// Places with what is wrong there, the largest first.
 Json to_record(const FaultyPlaces& places, const ModelSettings& settings);

@@ -89,7 +89,7 @@ std::string words_of(const Place& place, const FaultyPlaces& all, const ModelSet
              " begins in the air" + layer + carried + ": " + advice(place.form);
     }
     case Fault::local_thickness: {
-      const double times = place.worst / settings.layers.target->value;
+      const double times = place.worst / all.bead.height;
       const std::string range =
           formatted(", allowed are %.3g to %.3g", settings.tool.thickness[0], settings.tool.thickness[1]);
       return "a bead" + where +

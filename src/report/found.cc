@@ -13,6 +13,18 @@ std::vector<std::string> FoundNumbers::words() const {
   return broken ? std::vector{broken->words} : std::vector<std::string>();
 }
 
+void Found::replace(const Found& others) {
+  for (const Entry& other : others.entries_) {
+    const auto entry = std::find_if(entries_.begin(), entries_.end(),
+                                    [&](const Entry& own) { return own.finding == other.finding; });
+    if (entry == entries_.end())
+      entries_.push_back(other);
+    else
+      entry->numbers = other.numbers;
+  }
+  places = others.places;
+}
+
 std::vector<std::string> Found::words_of(const std::string& finding) const {
   const auto entry = std::find_if(entries_.begin(), entries_.end(),
                                   [&](const Entry& other) { return other.finding == finding; });

@@ -26,13 +26,17 @@ constexpr double usual_tilt = 60.0;
 /// Seconds without a line on the terminal.
 constexpr double longest_silence = 4.0;
 
+/// Simulates, and judges by real layers where there are any.
 template <int Dim>
 SequenceReport simulated(const Setup<Dim>& setup, const Problem<Dim>& problem, PseudoTime<Dim> time,
-                         const LayerModel<Dim>& layers, PhaseTimer& timer) {
+                         const LayerModel<Dim>& layers, const BeadChecks<Dim>* beads, PhaseTimer& timer) {
   Pipeline<Dim> pipeline(setup, std::make_unique<GivenSequence<Dim>>(std::move(time)), layers,
                          setup.config.solver.finest_tolerance(), timer);
   pipeline.set_tolerances(Tolerances::all(setup.config.solver.tolerance_of_reports()));
-  return report_sequence(setup, problem, pipeline, pipeline.run({}, 0.0, true));
+  const auto state = pipeline.run({}, 0.0, true);
+  SequenceReport report = report_sequence(setup, problem, pipeline, state);
+  if (beads) beads->judge(beads->cut(*state.time, state.densities->count()), report);
+  return report;
 }
 
 /// Mean of the layers by volume; none where their thickness is not defined.
@@ -51,9 +55,10 @@ template <int Dim>
 class BaselineMaker {
  public:
   BaselineMaker(const Setup<Dim>& setup, const Problem<Dim>& problem, const SequenceNumbers& optimized,
-                PhaseTimer& timer)
+                const BeadChecks<Dim>* beads, PhaseTimer& timer)
       : setup_(setup),
         problem_(problem),
+        beads_(beads),
         thickness_(mean_thickness(optimized.layers)),
         used_layers_(optimized.used_layers()),
         timer_(timer) {}
@@ -63,14 +68,14 @@ class BaselineMaker {
     const int count = count_for(planar_height(setup_.part, setup_.config.baseline.direction), used_layers_);
     if (count == setup_.baseline->count()) return std::nullopt;
     return Baseline{"baseline_matched", "planar, " + std::to_string(count) + " layers", "",
-                    planar(setup_.config.baseline.direction, count)};
+                    planar(setup_.config.baseline.direction, count, beads_)};
   }
 
   std::optional<Baseline> even() const {
     auto [time, height] = even_time(setup_.part);
     const int count = count_for(height, setup_.layers->planar_count(height));
     return Baseline{"baseline_even", "even layers", "even/",
-                    simulated(setup_, problem_, std::move(time), *layers_of(count), timer_)};
+                    simulated(setup_, problem_, std::move(time), *layers_of(count), beads_, timer_)};
   }
 
   std::optional<Baseline> tilted() const {
@@ -79,7 +84,7 @@ class BaselineMaker {
     const TriedDirection& best = *std::min_element(result.tried.begin(), result.tried.end(), better);
     result.direction = best.direction;
     result.title = formatted("planar at %.3g degrees", best.tilt);
-    result.numbers = planar(best.direction);
+    result.numbers = planar(best.direction, beads_);
     print(formatted("  the best is tilted by %.3g degrees", best.tilt));
     return result;
   }
@@ -99,15 +104,16 @@ class BaselineMaker {
     return static_cast<int>(std::clamp(std::round(height / *thickness_), 1.0, 1.0 * most_layers));
   }
 
-  SequenceReport planar(const std::vector<double>& direction, int count) const {
-    return simulated(setup_, problem_, planar_time(setup_.part, direction), *layers_of(count), timer_);
+  SequenceReport planar(const std::vector<double>& direction, int count, const BeadChecks<Dim>* beads) const {
+    return simulated(setup_, problem_, planar_time(setup_.part, direction), *layers_of(count), beads, timer_);
   }
-  SequenceReport planar(const std::vector<double>& direction) const {
+  SequenceReport planar(const std::vector<double>& direction, const BeadChecks<Dim>* beads) const {
     const double height = planar_height(setup_.part, direction);
-    return planar(direction, count_for(height, setup_.layers->planar_count(height)));
+    return planar(direction, count_for(height, setup_.layers->planar_count(height)), beads);
   }
 
-  /// All directions within the machine's tilt, on the coarse grid of a run that begins on one.
+  /// All directions within the machine's tilt, on the coarse grid of a run that begins on one. Simulated
+  /// layers are judged: real ones would take longer than their simulation.
   std::vector<TriedDirection> try_directions(std::vector<int>& elements) const {
     if (setup_.config.optimizer.coarse_iterations == 0) return try_directions_here(elements);
     const CoarseGrid<Dim> coarse(setup_);
@@ -137,7 +143,7 @@ class BaselineMaker {
         said = MPI_Wtime();
       }
       std::vector<double> components(direction.begin(), direction.end());
-      const SequenceNumbers numbers = planar(components);
+      const SequenceNumbers numbers = planar(components, nullptr);
       result.push_back({std::move(components), tilt, numbers.finished->deviation(released).skin.rms,
                         numbers.verdict->build_class});
     }
@@ -148,6 +154,7 @@ class BaselineMaker {
 
   const Setup<Dim>& setup_;
   const Problem<Dim>& problem_;
+  const BeadChecks<Dim>* beads_ = nullptr;  ///< null: simulated layers are judged
   std::optional<double> thickness_;
   int used_layers_;
   PhaseTimer& timer_;
@@ -174,14 +181,16 @@ void add(std::vector<Baseline>& baselines, const char* block,
 
 template <int Dim>
 SequenceReport planar_baseline(const Setup<Dim>& setup, const Problem<Dim>& problem, PhaseTimer& timer) {
+  const auto beads = make_bead_checks(setup);
   return simulated(setup, problem, planar_time(setup.part, setup.config.baseline.direction), *setup.baseline,
-                   timer);
+                   beads.get(), timer);
 }
 
 template <int Dim>
 std::vector<Baseline> other_baselines(const Setup<Dim>& setup, const Problem<Dim>& problem,
-                                      const SequenceNumbers& optimized, PhaseTimer& timer) {
-  const BaselineMaker<Dim> maker(setup, problem, optimized, timer);
+                                      const SequenceNumbers& optimized, const BeadChecks<Dim>* beads,
+                                      PhaseTimer& timer) {
+  const BaselineMaker<Dim> maker(setup, problem, optimized, beads, timer);
   std::vector<Baseline> result;
   add(result, "baseline_matched", [&] { return maker.matched(); });
   if (setup.config.baseline.best_direction) add(result, "baseline_tilted", [&] { return maker.tilted(); });

@@ -8,6 +8,7 @@
 #include "fabseq/tasks/tasks.h"
 #include "tasks/repaired_sequence.h"
 #include "tasks/sensitivity.h"
+#include "tasks/write_real_layers.h"
 
 #include <utility>
 
@@ -25,10 +26,14 @@ std::string iterations_on(const Setup<Dim>& setup) {
 /// sequence shall not be lost because these solves fail.
 template <int Dim>
 std::optional<SequenceReport> start_report(const Setup<Dim>& setup, const Problem<Dim>& problem,
-                                           Pipeline<Dim>& pipeline, double beta) {
+                                           Pipeline<Dim>& pipeline, double beta,
+                                           const BeadChecks<Dim>* beads) {
   const Design start = starting_design(setup, pipeline.sequence(), CommandLine());
   try {
-    return report_sequence(setup, problem, pipeline, pipeline.run(start, beta, true));
+    const auto state = pipeline.run(start, beta, true);
+    SequenceReport report = report_sequence(setup, problem, pipeline, state);
+    if (beads) beads->judge(beads->cut(*state.time, start.layer_variables), report);
+    return report;
   } catch (const NumericalError& error) {
     warn(std::string("no block start in summary.json: ") + error.what());
     return std::nullopt;
@@ -52,10 +57,11 @@ std::optional<ConstraintMiss> miss_of_best(const Setup<Dim>& setup, const Proble
 }
 
 /// What the best design comes to, the one that the config starts from, at the same sharpness, and the
-/// baselines.
+/// baselines. With `beads`, `real` becomes the best design's real layers.
 template <int Dim>
 FinalReports final_reports(const Setup<Dim>& setup, const Problem<Dim>& problem, Pipeline<Dim>& pipeline,
-                           const BestIterate& best, PhaseTimer& timer) {
+                           const BestIterate& best, const BeadChecks<Dim>* beads,
+                           std::optional<RealSequence<Dim>>& real, PhaseTimer& timer) {
   FinalReports reports;
   const auto state = pipeline.run(best.design(), best.beta(), true);
   reports.interior_minima = count_interior_minima<Dim>(setup.part, state.time->time);
@@ -69,17 +75,21 @@ FinalReports final_reports(const Setup<Dim>& setup, const Problem<Dim>& problem,
     reports.repair = std::move(repaired->repair);
   }
   Pipeline<Dim>& last = repaired ? *repaired->pipeline : pipeline;
+  if (beads) {
+    real = beads->cut(*last.last_time(), best.design().layer_variables);
+    beads->judge(*real, reports.binary);
+  }
   drop_unwritten_fields(reports.binary);
   // Reports take memory. Planar layers, which need a pipeline of their own, come while there are few, and not
   // beside another pipeline's solvers.
   last.release_memory();
-  reports.baselines = other_baselines(setup, problem, reports.binary, timer);
+  reports.baselines = other_baselines(setup, problem, reports.binary, beads, timer);
   reports.optimized =
       report_sequence(setup, problem, last,
                       last.run(repaired ? repaired->design : best.design(), best.beta(), /*binary=*/false));
   reports.optimized.strain = strain_when_built(last);
   last.release_memory();
-  reports.start = start_report(setup, problem, pipeline, best.beta());
+  reports.start = start_report(setup, problem, pipeline, best.beta(), beads);
   reports.limits = constraint_limits(setup, problem);
   reports.miss = miss_of_best(setup, problem, reports, best);
   return reports;
@@ -193,7 +203,10 @@ template <int Dim>
 RunOutcome finish(const Setup<Dim>& setup, const RunState<Dim>& run, Pipeline<Dim>& pipeline,
                   RunOutput<Dim>& output, PhaseTimer& timer) {
   const BestIterate& best = run.best;
-  const FinalReports reports = final_reports(setup, run.problem, pipeline, best, timer);
+  const auto beads = make_bead_checks(setup);
+  std::optional<RealSequence<Dim>> real;
+  const FinalReports reports = final_reports(setup, run.problem, pipeline, best, beads.get(), real, timer);
+  if (real) write_real_layers(*beads, *real, reports.binary, output.directory());
   output.finish(run.end(), reports, best);
   if (setup.config.output.stress) print_words(reports.binary, "stress");
   for (const std::string& line : reports.binary.found.doubts()) warn(line);

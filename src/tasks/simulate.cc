@@ -18,6 +18,7 @@
 #include "fabseq/tasks/starting_design.h"
 #include "fabseq/tasks/tasks.h"
 #include "tasks/repaired_sequence.h"
+#include "tasks/write_real_layers.h"
 
 #include <cmath>
 #include <optional>
@@ -193,6 +194,11 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   Simulation<Dim> simulation =
       simulation_of(setup, last, repaired ? repaired->state : state, std::move(report));
   simulation.design = repaired ? repaired->design : design;
+  if (const auto beads = make_bead_checks(setup)) {
+    const RealSequence<Dim> real = beads->cut(*last.last_time(), design.layer_variables);
+    beads->judge(real, simulation.report);
+    write_real_layers(*beads, real, simulation.report, directory);
+  }
   if (repaired) simulation.repair = std::move(repaired->repair);
 
   write_fields(setup, directory, last, simulation);

@@ -7,7 +7,7 @@
 #include "fabseq/report/sequence_report.h"
 #include "fabseq/responses/response_type.h"
 #include "fabseq/sequence/given_sequence.h"
-#include "fabseq/sequence/refined_field.h"
+#include "tasks/refined_time.h"
 
 #include <cmath>
 #include <memory>
@@ -74,21 +74,6 @@ Varied simulate(const Model<Dim>& model, const Problem<Dim>& problem, Pipeline<D
   if (!more) return result;
   result.other_deposition = numbers_of(both.other.value());
   result.noise = with_noise(model, problem, pipeline, state, result.own);
-  return result;
-}
-
-template <int Dim>
-PseudoTime<Dim> refined_time(const Part<Dim>& part, const PseudoTime<Dim>& time, const Part<Dim>& fine) {
-  PseudoTime<Dim> result;
-  result.time = refined_field<Dim>(part, time.time, fine);
-  if (time.gradient.empty()) return result;
-  result.gradient.resize(result.time.size() * Dim);
-  std::vector<double> component(time.time.size());
-  for (int axis = 0; axis < Dim; ++axis) {
-    for (std::size_t e = 0; e < component.size(); ++e) component[e] = time.gradient[e * Dim + axis];
-    const std::vector<double> refined = refined_field<Dim>(part, component, fine);
-    for (std::size_t e = 0; e < refined.size(); ++e) result.gradient[e * Dim + axis] = refined[e];
-  }
   return result;
 }
 

@@ -2,13 +2,18 @@
 """Simulated layers that stand for several real ones, each a bead high."""
 
 import copy
+import os
 
 import h5py
+import numpy as np
 
 import run_fabseq
-from run_fabseq import FabseqTest, largest_relative_difference
-from small_parts import hook_3d, plate_2d
+from multi_planar_test import tee_2d
+from run_fabseq import FabseqTest, distinct, largest_relative_difference
+from small_parts import direct_2d, hook_3d, plate_2d
 from thermal_test import interpass, warmed
+
+TOOL = {"max_tilt": 60, "thickness": [0.6, 1.6], "bead_width": 0.3}
 
 
 def in_beads(config, passes):
@@ -99,6 +104,110 @@ class BeadsTest(FabseqTest):
         self.assert_done(run)
         self.assertIn("\nbeads: a layer stands for 3 one above the other, 0.1 mm each\n", run.stdout)
         self.assertNotIn("beads:", self.run_config(1, plate_2d(), "-task", "check").stdout)
+
+
+class RealLayersTest(FabseqTest):
+    """What is judged, and what paths are made of."""
+
+    def real_layers(self, run):
+        """Times and layers of the elements in its folder beads, and all else that is in there."""
+        with h5py.File(run.path("beads/result.h5"), "r") as file:
+            fields = {name: file[name][()] for name in file if name in ("time", "layer", "density", "time_points")}
+        return fields, run.json("beads/summary.json")
+
+    def test_planar_layers_are_what_a_simulation_of_them_says(self):
+        """On that grid, with as many layers: the time is linear, so that nothing is lost on the way."""
+        config = plate_2d() | {"sequence": {"type": "planar"}, "tool": TOOL}
+        for ranks in distinct(1, 2):
+            run = self.run_config(ranks, in_beads(config, 3), "-task", "simulate", "-binary")
+            self.assert_done(run)
+            found = run.json("summary.json")
+            real = found["real_layers"]
+            self.assertEqual((real["passes"], real["count"], real["elements"]), (3, 12, [80, 48]))
+            self.assertAlmostEqual(real["elements_per_bead"], 4)
+            self.assertIn(real["words"], run.stdout)
+            direct = copy.deepcopy(config)
+            direct["domain"]["elements"], direct["layers"]["count"] = [80, 48], 12
+            direct["constraints"][0]["target"] = 0.1
+            expected = self.run_config(1, direct, "-task", "simulate", "-binary")
+            self.assert_done(expected)
+            expected = expected.json("summary.json")
+            self.assertEqual(found["verdict"]["class"], expected["verdict"]["class"])
+            self.assertEqual(found["places_in_all"], expected["places_in_all"])
+            for name in ("hanging", "tilt"):
+                self.assertEqual(found["checks"][name], expected["checks"][name], name)
+            self.assertAlmostEqual(found["checks"]["local_thickness"]["largest"], 0.1, places=9)
+            fields, summary = self.real_layers(run)
+            np.testing.assert_array_equal(fields["layer"][fields["density"] > 0],
+                                          np.ceil(12 * fields["time"][fields["density"] > 0] - 1e-9))
+            self.assertEqual(summary["verdict"], found["verdict"])
+            self.assertAlmostEqual(sum(layer["volume"] for layer in summary["layers"]),
+                                   sum(layer["volume"] for layer in expected["layers"]), places=9)
+
+    def test_each_layer_is_cut_into_equal_steps(self):
+        """Of the pseudo-time between its own time points, where these vary, too."""
+        config = direct_2d("nodes")
+        run = self.run_config(1, in_beads(config, 2), "-set", "optimizer.max_iterations=2")
+        self.assert_done(run)
+        fields, summary = self.real_layers(run)
+        with h5py.File(run.path("result.h5"), "r") as file:
+            ends = np.concatenate([[0.0], file["time_points"][()], [1.0]])
+        cut = np.interp(np.arange(9) / 2, np.arange(5), ends)
+        np.testing.assert_allclose(fields["time_points"], cut[1:-1], atol=1e-12)
+        built = fields["density"] > 0
+        np.testing.assert_array_equal(fields["layer"][built], np.searchsorted(cut[1:], fields["time"][built] - 1e-12) + 1)
+        self.assertEqual(len(summary["layers"]), 8)
+
+    def test_all_sequences_are_judged_alike(self):
+        config = in_beads(hook_3d(), 3) | {"tool": TOOL, "baseline": {"direction": "best"}}
+        runs = [self.run_config(ranks, config, "-set", "optimizer.max_iterations=2") for ranks in distinct(1, 2)]
+        for run in runs:
+            self.assert_done(run)
+            summary = run.json("summary.json")
+            for block in ("binary", "start", "baseline", "baseline_tilted", "baseline_even"):
+                self.assertEqual(summary[block]["real_layers"]["elements"], [32, 16, 32], block)
+                self.assertEqual(summary[block]["real_layers"]["count"], 3 * len(summary[block]["layers"]), block)
+            self.assertNotIn("real_layers", summary["optimized"])
+            self.assertEqual(summary["answer"]["class"], summary["binary"]["verdict"]["class"])
+            self.assertIn(summary["binary"]["real_layers"]["words"], run.stdout)
+        for run in runs[1:]:
+            self.assertEqual(run.json("summary.json")["binary"]["verdict"]["class"],
+                             runs[0].json("summary.json")["binary"]["verdict"]["class"])
+
+    def test_slabs_are_cut(self):
+        config = tee_2d()
+        thickness = config["layers"].get("thickness", 3.0)
+        config["layers"] |= {"passes": 2, "thickness": thickness / 2}
+        run = self.run_config(1, config, "-task", "simulate", "-binary")
+        self.assert_done(run)
+        _, summary = self.real_layers(run)
+        simulated = run.json("summary.json")["layers"]
+        self.assertLessEqual(abs(len(summary["layers"]) - 2 * len(simulated)), config["layers"]["subparts"] * 2)
+        self.assertEqual({layer["subpart"] for layer in summary["layers"]}, {layer["subpart"] for layer in simulated})
+
+    def test_paths_are_those_of_beads(self):
+        config = in_beads(hook_3d(), 3) | {"tool": TOOL}
+        run = self.optimize(config, 1, 2)
+        done = self.run_tool("paths", run.output, "--no-picture")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        record = run.json("paths/paths_summary.json")
+        numbers = [layer["layer"] for layer in record["layers"] + record["without_path"]]
+        self.assertEqual(sorted(numbers), list(range(1, 10)))
+        self.assertIn(f"feed 1 is a bead of {0.55 / 3:.4g} x ", done.stdout)
+        refused = self.run_tool("paths", run.output, "--no-picture", "--of", "planar")
+        self.assertEqual(refused.returncode, 2)
+        self.assertIn("each of the layers stands for 3 beads, and the run has cut only the optimized ones", refused.stderr)
+
+    def test_the_next_run_removes_the_folder(self):
+        path = self.write_config(in_beads(plate_2d(), 3))
+        options = "-task", "simulate", "-binary", "-overwrite"
+        run = self.run_program(1, "-config", path, *options)
+        self.assert_done(run)
+        self.assertTrue(os.path.isdir(run.path("beads")))
+        again = self.run_program(1, "-config", self.write_config(plate_2d()), *options, output=run.output)
+        self.assert_done(again)
+        self.assertFalse(os.path.exists(run.path("beads")))
+        self.assertNotIn("real_layers", again.json("summary.json"))
 
 
 if __name__ == "__main__":

@@ -13,6 +13,8 @@ namespace fabseq {
 
 /// Folder, in the directory of a run, for the run at half the resolution with which it began.
 constexpr const char* coarse_folder = "coarse";
+/// Folder for the real layers of a run whose simulated ones stand for several.
+constexpr const char* beads_folder = "beads";
 /// Folder for the runs from several designs with which it began, each in a folder named by its number.
 constexpr const char* starts_folder = "starts";
 

@@ -24,6 +24,8 @@ class Found {
   void add(const std::string& finding, std::shared_ptr<const FoundNumbers> numbers) {
     entries_.push_back({finding, std::move(numbers)});
   }
+  /// Puts what others have found in place of what is here of the same findings, and their places.
+  void replace(const Found& others);
   const std::vector<Entry>& entries() const { return entries_; }
   /// The numbers of that type; nullptr if there are none.
   template <class Numbers>

@@ -6,6 +6,7 @@
 #include "fabseq/process/built_strain.h"
 #include "fabseq/report/build_report.h"
 #include "fabseq/report/finished_shape.h"
+#include "fabseq/report/real_layers.h"
 #include "fabseq/report/verdict.h"
 
 #include <cstdint>
@@ -49,6 +50,7 @@ struct SequenceNumbers {
   std::optional<FinishedShape> finished;   ///< where it was asked for
   Found found;                             ///< checks and places only where the shape was asked for
   std::optional<Verdict> verdict;          ///< where the shape was asked for
+  std::optional<RealLayers> real_layers;   ///< which checks and verdict are of; none: of the simulated ones
 
   /// First objective term.
   double first_objective() const { return responses.empty() ? 0.0 : responses[0].value; }

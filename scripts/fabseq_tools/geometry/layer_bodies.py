@@ -21,6 +21,7 @@ from fabseq_tools.run.read_run import Run, check_grid, passes_of
 
 GROUPS = {"optimized": "", "planar": "planar/", "start": "start/"}
 BLOCKS = {"optimized": ("optimized", "simulated"), "planar": ("baseline",), "start": ("start",)}
+BEADS = "beads"  # folder of a run, with its real layers
 SNAPPED = 1e-3  # of a layer: points of the body so near to an interface lie on it
 
 
@@ -42,15 +43,30 @@ class Layer:
         return body.fields["slope"][points] if self.direction is None else np.tile(self.direction, (len(points), 1))
 
 
+def run_of_layers(directory, of):
+    """A run, and the folder with its layers: real ones, where its simulated layers stand for several."""
+    run = Run(directory, with_fields=False, simulations=True)
+    passes, folder = passes_of(run.config), os.path.join(directory, BEADS)
+    if passes == 1:
+        return run, directory
+    if of == "optimized" and os.path.isfile(os.path.join(folder, "result.h5")):
+        return Run(folder, with_fields=False, simulations=True), folder
+    raise RunError(f"{directory}: each of the layers stands for {passes} beads, and the run has cut "
+                   f"{'none' if of == 'optimized' else 'only the optimized ones'} into them; allowed: a run of -task simulate "
+                   "with this sequence, which cuts its layers")
+
+
 class LayeredPart:
-    """`body`: Tetrahedra whose labels are numbers of layers, from 1, in the config's coordinates; `layers`:
+    """Where simulated layers stand for several real ones, it has the real ones.
+
+    `body`: Tetrahedra whose labels are numbers of layers, from 1, in the config's coordinates; `layers`:
     those that hold an element, by number; `source`: what the body is cut off at; `origin`: where times come
     from; `judged`: what the run's check says; `joined`: volume of the slivers of each layer that became part
     of another; `up`: unit normal of the plate."""
 
     def __init__(self, directory, of="optimized", finer=None, progress=SILENT):
         self.progress = progress
-        run = Run(directory, with_fields=False, simulations=True)
+        run, directory = run_of_layers(directory, of)
         self.config, self.name = run.config, run.name
         if len(self.config["domain"]["size"]) == 2:
             raise RunError(f"{directory}: is a run in two dimensions; allowed: a run in three")

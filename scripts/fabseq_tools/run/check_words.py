@@ -2,7 +2,7 @@
 """What the findings of a sequence (docs/formulation.md 13.1) say: their sentences, as the program has written
 them, and their figures, for the report and the overview."""
 
-from fabseq_tools.run.read_run import target_thickness
+from fabseq_tools.run.read_run import bead_thickness, target_thickness
 from fabseq_tools.run.words import number, whole
 
 ANY_TILT = 180.0  # degrees: from here on tool.max_tilt is no limit
@@ -18,11 +18,12 @@ def check_sentences(run):
     """What findings say of the layers that the run is about (`words` of summary.json), beside headline and
     verdict; of stress where the config asks for it."""
     block = run.summary.get(result_of(run), {})
+    judged = [whole(block["real_layers"]["words"])] if "real_layers" in block else []
     told = [*run.summary.get("headline", {}).get("words", []),
             *(reason["words"] for reason in block.get("verdict", {}).get("reasons", []))]
     asked = run.config.get("output", {}).get("stress")
-    return [whole(words) for finding, sentences in block.get("words", {}).items() if asked or finding != "stress"
-            for words in sentences if words not in told]
+    return judged + [whole(words) for finding, sentences in block.get("words", {}).items()
+                     if asked or finding != "stress" for words in sentences if words not in told]
 
 
 def tilt_limit(run):
@@ -65,9 +66,9 @@ def percent(share):
     return "less than 0.1 %" if 0 < value < 0.05 else "more than 99.9 %" if 99.95 <= value < 100 else f"{value:.1f} %"
 
 
-def thickness_limits(run):
-    """Between which local thicknesses a layer can be deposited; None without a target."""
-    target = target_thickness(run.config)
+def thickness_limits(run, real=False):
+    """Between which local thicknesses a layer, or with `real` a real one, can be deposited, or None."""
+    target = bead_thickness(run.config) if real else target_thickness(run.config)
     factors = run.config.get("tool", {}).get("thickness", USUAL_RANGE)
     return [factor * target for factor in factors] if target else None
 
@@ -75,7 +76,7 @@ def thickness_limits(run):
 def check_figures(run=None):
     """Rows of a table by heading, "" for the first ones: for each row's words a function from a run and the
     name of a state to its value, and one from the value to text or None."""
-    limits = run and thickness_limits(run)
+    limits = run and thickness_limits(run, real="real_layers" in run.summary.get(result_of(run), {}))
     span = " to ".join(map(number, limits)) if limits else "its range"
     limit = yield_words(run)
     thickness = ("checks", "local_thickness")

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "fabseq/config/setup.h"
+#include "fabseq/report/sequence_report.h"
+
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace fabseq {
+
+/// Real layers, on the grid of BeadChecks.
+template <int Dim>
+struct RealSequence {
+  PseudoTime<Dim> time;
+  std::vector<double> layer;      ///< of each part element, from 1
+  int count = 0;                  ///< of real layers
+  SubParts sub_parts;             ///< of multi-planar layers
+  std::vector<double> variables;  ///< of the layers of BeadChecks::setup()
+  BuildReport build;              ///< their checks
+};
+
+/// Judges sequences whose simulated layers stand for several real ones by these: the pseudo-time is carried
+/// to a grid with enough elements to a bead, and each layer cut into `layers.passes` equal steps of it
+/// (docs/formulation.md 13.1).
+template <int Dim>
+class BeadChecks {
+ public:
+  /// Makes the grids; the setup must outlive it. Collective. Throws InputError where not even a grid twice as
+  /// fine can be made.
+  explicit BeadChecks(const Setup<Dim>& setup);
+
+  /// The setup in real layers, on the finest grid.
+  const Setup<Dim>& setup() const { return grids_.back()->setup; }
+  /// Cuts the layers of a design; `variables`: those of its simulated layers.
+  RealSequence<Dim> cut(const PseudoTime<Dim>& time, std::span<const double> variables) const;
+  /// Cuts so many simulated layers of equal steps.
+  RealSequence<Dim> cut(const PseudoTime<Dim>& time, int layers) const;
+  /// Puts checks, places and verdict of the real layers in place of those of the simulated ones.
+  void judge(const RealSequence<Dim>& real, SequenceReport& report) const;
+
+ private:
+  /// Cuts with curved layers of these time points, or else by `layers`.
+  RealSequence<Dim> checked(const PseudoTime<Dim>& time, const Layers& layers,
+                            std::vector<double> time_points) const;
+
+  struct Level {
+    Level(MPI_Comm world, Config config_) : config(std::move(config_)), setup(world, config) {}
+    const Config config;
+    const Setup<Dim> setup;
+  };
+
+  const Setup<Dim>& simulated_;
+  double per_bead_;                            ///< elements of the finest grid to a bead
+  std::vector<std::unique_ptr<Level>> grids_;  ///< each twice as fine as the one before
+  bool is_finer_ = true;                       ///< whether the first is finer than that of the setup
+};
+
+/// None where each simulated layer is a real one, or, with a warning, where the grids cannot be made.
+/// Collective.
+template <int Dim>
+std::unique_ptr<const BeadChecks<Dim>> make_bead_checks(const Setup<Dim>& setup);
+
+}  // namespace fabseq

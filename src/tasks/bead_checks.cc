@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: MIT
+#include "fabseq/tasks/bead_checks.h"
+
+#include "fabseq/base/error.h"
+#include "fabseq/base/session.h"
+#include "fabseq/layers/curved_layers.h"
+#include "fabseq/responses/response_type.h"
+#include "fabseq/sequence/geodesic_distance.h"
+#include "tasks/advice.h"
+#include "tasks/refined_time.h"
+
+#include <cmath>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace fabseq {
+
+namespace {
+
+/// Elements to a bead, docs/how-to/choose-what-to-optimize.md.
+constexpr double least_per_bead = 2.5;
+/// Finer grids take minutes and gigabytes for each sequence that is checked.
+constexpr double most_elements = 4e6;
+
+/// The config in real layers, on a grid so many times as fine.
+template <int Dim>
+Config in_real_layers(const Setup<Dim>& setup, int factor) {
+  Config config = setup.resolved();
+  LayerSettings& layers = config.layers;
+  const int passes = std::exchange(layers.passes, 1);
+  if (layers.target) layers.given_target = layers.target->bead;
+  if (layers.count) *layers.count *= passes;
+  if (config.thermal) config.thermal->given_passes.reset();
+  config.baseline.layers = passes * setup.baseline->count();
+  config.baseline.best_direction = config.baseline.even = false;
+  config.solver.layer_groups = setup.groups.count();
+  config.projection = {};  // its relations to the number of layers shall refuse nothing
+  config.projection.binary = true;
+  config.constraints.clear();
+  // A sequence from a file, as which its results go on, has no gradient for responses.
+  std::erase_if(config.objective, [](const Term& term) { return term.type->needs_time_gradient; });
+  for (int& elements : config.elements) elements *= factor;
+  // Stairs may leave crumbs that the coarse grid does not have.
+  config.part.keep_connected = true;
+  config.part.announce = false;
+  if (auto* voxels = std::get_if<VoxelFile>(&config.part.source)) voxels->repeat *= factor;
+  complete_derived(config);
+  return config;
+}
+
+/// How often the grid is halved for enough elements to a bead, of which it has `per_bead`.
+template <int Dim>
+int halvings(const Setup<Dim>& setup, double per_bead) {
+  int result = 0;
+  auto elements = static_cast<double>(setup.part.count());
+  while (std::ldexp(per_bead, result) < least_per_bead && elements * (1 << Dim) <= most_elements) {
+    elements *= 1 << Dim;
+    ++result;
+  }
+  return result;
+}
+
+}  // namespace
+
+template <int Dim>
+BeadChecks<Dim>::BeadChecks(const Setup<Dim>& setup) : simulated_(setup) {
+  const double height = geodesic_height(setup.part, geodesic_distance(setup.part));
+  per_bead_ = elements_per_layer(setup, height) / setup.config.layers.passes;
+  const int wanted = halvings(setup, per_bead_);
+  is_finer_ = wanted > 0;
+  for (int level = is_finer_ ? 1 : 0; level <= wanted; ++level) {
+    try {
+      grids_.push_back(std::make_unique<Level>(setup.world(), in_real_layers(setup, 1 << level)));
+    } catch (const InputError&) {
+      if (grids_.empty()) throw;
+      break;
+    }
+    if (level > 0) per_bead_ *= 2.0;
+  }
+}
+
+template <int Dim>
+RealSequence<Dim> BeadChecks<Dim>::checked(const PseudoTime<Dim>& time, const Layers& layers,
+                                           std::vector<double> time_points) const {
+  RealSequence<Dim> result;
+  result.time = time;
+  const Part<Dim>* part = &simulated_.part;
+  for (const auto& grid : grids_) {
+    if (is_finer_) result.time = refined_time(*part, result.time, grid->setup.part);
+    part = &grid->setup.part;
+  }
+  LayerDensities densities;
+  if (time_points.empty()) {
+    layers.set_densities(result.time.time, densities);
+  } else {  // checks need no densities, which take memory
+    densities.stage.resize(time_points.size() - 1);
+    densities.layer.resize(time_points.size() - 1);
+    densities.time_points = std::move(time_points);
+  }
+  result.count = densities.count();
+  result.layer = layers.layer_index(result.time.time, densities);
+  result.sub_parts = densities.sub_parts;
+  result.build = check_layers(setup(), result.time, densities, result.layer, /*with_places=*/true);
+  return result;
+}
+
+template <int Dim>
+RealSequence<Dim> BeadChecks<Dim>::cut(const PseudoTime<Dim>& time, std::span<const double> variables) const {
+  const LayerModel<Dim>& model = *setup().layers;
+  if (setup().config.layers.multi_planar) {
+    RealSequence<Dim> result = checked(time, *model.make(variables, model.traits().last_beta, true, {}), {});
+    result.variables.assign(variables.begin(), variables.end());
+    return result;
+  }
+  std::vector<double> inner = interpolated_time_points(variables, model.count()), points = {0.0};
+  points.insert(points.end(), inner.begin(), inner.end());
+  points.push_back(1.0);
+  RealSequence<Dim> result =
+      checked(time, CurvedLayers(setup().part.part_density(), points, 1.0, true), points);
+  result.variables = std::move(inner);
+  return result;
+}
+
+template <int Dim>
+RealSequence<Dim> BeadChecks<Dim>::cut(const PseudoTime<Dim>& time, int layers) const {
+  const std::vector<double> points = uniform_time_points(layers * simulated_.config.layers.passes);
+  return checked(time, CurvedLayers(setup().part.part_density(), points, 1.0, true), points);
+}
+
+template <int Dim>
+void BeadChecks<Dim>::judge(const RealSequence<Dim>& real, SequenceReport& report) const {
+  const Index<Dim>& elements = setup().grid.domain().elements;
+  report.real_layers = {simulated_.config.layers.passes,
+                        real.count,
+                        {elements.begin(), elements.end()},
+                        per_bead_,
+                        *report.verdict};
+  report.found.replace(real.build.numbers);
+  report.verdict = fabseq::judge(report.found, setup().settings);
+}
+
+template <int Dim>
+std::unique_ptr<const BeadChecks<Dim>> make_bead_checks(const Setup<Dim>& setup) {
+  if (setup.config.layers.passes == 1) return nullptr;
+  try {
+    return std::make_unique<const BeadChecks<Dim>>(setup);
+  } catch (const InputError& error) {
+    warn(std::string("/layers/passes: checks and verdict are those of simulated layers: ") + error.what());
+    return nullptr;
+  }
+}
+
+FABSEQ_INSTANTIATE_CLASS(BeadChecks);
+FABSEQ_INSTANTIATE_FUNCTION(make_bead_checks);
+
+}  // namespace fabseq

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "fabseq/part/part.h"
+#include "fabseq/sequence/sequence.h"
+
+namespace fabseq {
+
+/// A pseudo-time, with the gradients that it has, on the part of a grid twice as fine (refined_field()).
+/// Times of nodes are left out. Collective.
+template <int Dim>
+PseudoTime<Dim> refined_time(const Part<Dim>& part, const PseudoTime<Dim>& time, const Part<Dim>& fine);
+
+}  // namespace fabseq
