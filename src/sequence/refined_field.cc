@@ -32,8 +32,9 @@ class CoarseField {
     }
   };
 
-  CoarseField(const Part<Dim>& part, std::span<const double> field)
+  CoarseField(const Part<Dim>& part, std::span<const double> field, BeyondCentres beyond)
       : comm_(part.grid().comm()),
+        beyond_(beyond),
         owned_(part.grid().owned_elements()),
         ring_(comm_, owned_, ringed(owned_)),
         entries_(static_cast<std::size_t>(owned_.count())) {
@@ -69,7 +70,7 @@ class CoarseField {
   /// Returns the entry of an element that is owned or beside one that is.
   const Entry& around(const Index<Dim>& element) const { return around_[ring_.wanted().offset(element)]; }
 
-  /// The difference to the neighbour on each side; where there is none, that of the other side.
+  /// The difference to the neighbour on each side; where there is none, that of the other side or 0.
   void set_slopes(const Index<Dim>& element, Entry& entry) const {
     for (int axis = 0; axis < Dim; ++axis) {
       std::array<bool, 2> there{};
@@ -81,7 +82,8 @@ class CoarseField {
           entry.slopes[2 * axis + side] = (2 * side - 1) * (around(neighbour).value - entry.value);
       }
       for (const int side : {0, 1})
-        if (!there[side]) entry.slopes[2 * axis + side] = entry.slopes[2 * axis + 1 - side];
+        if (!there[side] && beyond_ == BeyondCentres::slope)
+          entry.slopes[2 * axis + side] = entry.slopes[2 * axis + 1 - side];
     }
   }
 
@@ -116,6 +118,7 @@ class CoarseField {
   }
 
   MPI_Comm comm_;
+  BeyondCentres beyond_;
   IndexBox<Dim> owned_;
   BoxGather<Dim> ring_;
   std::vector<Entry> entries_, around_;  ///< of the owned elements; of them and those around them
@@ -124,10 +127,10 @@ class CoarseField {
 }  // namespace
 
 template <int Dim>
-std::vector<double> refined_field(const Part<Dim>& part, std::span<const double> field,
-                                  const Part<Dim>& fine) {
+std::vector<double> refined_field(const Part<Dim>& part, std::span<const double> field, const Part<Dim>& fine,
+                                  BeyondCentres beyond) {
   using Entry = typename CoarseField<Dim>::Entry;
-  CoarseField<Dim> coarse(part, field);
+  CoarseField<Dim> coarse(part, field, beyond);
   const IndexBox<Dim>& owned = fine.grid().owned_elements();
   const IndexBox<Dim> parents = owned.coarsened(uniform_index<Dim>(2));
   const BoxGather<Dim> to_fine(part.grid().comm(), part.grid().owned_elements(), parents);

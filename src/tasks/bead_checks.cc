@@ -9,6 +9,7 @@
 #include "tasks/advice.h"
 #include "tasks/refined_time.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 #include <variant>
@@ -66,8 +67,8 @@ int halvings(const Setup<Dim>& setup, double per_bead) {
 template <int Dim>
 BeadChecks<Dim>::BeadChecks(const Setup<Dim>& setup) : simulated_(setup) {
   const double height = geodesic_height(setup.part, geodesic_distance(setup.part));
-  per_bead_ = elements_per_layer(setup, height) / setup.config.layers.passes;
-  const int wanted = halvings(setup, per_bead_);
+  const double per_bead = elements_per_layer(setup, height) / setup.config.layers.passes;
+  const int wanted = halvings(setup, per_bead);
   is_finer_ = wanted > 0;
   for (int level = is_finer_ ? 1 : 0; level <= wanted; ++level) {
     try {
@@ -76,19 +77,28 @@ BeadChecks<Dim>::BeadChecks(const Setup<Dim>& setup) : simulated_(setup) {
       if (grids_.empty()) throw;
       break;
     }
-    if (level > 0) per_bead_ *= 2.0;
+    grids_.back()->per_bead = std::ldexp(per_bead, level);
   }
 }
 
 template <int Dim>
+const Setup<Dim>& BeadChecks<Dim>::for_bodies() const {
+  const auto found =
+      std::find_if(grids_.begin(), grids_.end(), [](const auto& grid) { return grid->per_bead >= 1.0; });
+  return found == grids_.end() ? finest() : (*found)->setup;
+}
+
+template <int Dim>
 RealSequence<Dim> BeadChecks<Dim>::checked(const PseudoTime<Dim>& time, const Layers& layers,
-                                           std::vector<double> time_points) const {
+                                           std::vector<double> time_points, const Setup<Dim>& on) const {
   RealSequence<Dim> result;
   result.time = time;
   const Part<Dim>* part = &simulated_.part;
   for (const auto& grid : grids_) {
-    if (is_finer_) result.time = refined_time(*part, result.time, grid->setup.part);
+    // Gradients that went on with their slope would tilt and stretch by more than they do anywhere.
+    if (is_finer_) result.time = refined_time(*part, result.time, grid->setup.part, BeyondCentres::value);
     part = &grid->setup.part;
+    if (&grid->setup == &on) break;
   }
   LayerDensities densities;
   if (time_points.empty()) {
@@ -101,15 +111,17 @@ RealSequence<Dim> BeadChecks<Dim>::checked(const PseudoTime<Dim>& time, const La
   result.count = densities.count();
   result.layer = layers.layer_index(result.time.time, densities);
   result.sub_parts = densities.sub_parts;
-  result.build = check_layers(setup(), result.time, densities, result.layer, /*with_places=*/true);
+  result.build = check_layers(on, result.time, densities, result.layer, /*with_places=*/true);
   return result;
 }
 
 template <int Dim>
-RealSequence<Dim> BeadChecks<Dim>::cut(const PseudoTime<Dim>& time, std::span<const double> variables) const {
-  const LayerModel<Dim>& model = *setup().layers;
-  if (setup().config.layers.multi_planar) {
-    RealSequence<Dim> result = checked(time, *model.make(variables, model.traits().last_beta, true, {}), {});
+RealSequence<Dim> BeadChecks<Dim>::cut(const PseudoTime<Dim>& time, std::span<const double> variables,
+                                       const Setup<Dim>& on) const {
+  const LayerModel<Dim>& model = *on.layers;
+  if (on.config.layers.multi_planar) {
+    RealSequence<Dim> result =
+        checked(time, *model.make(variables, model.traits().last_beta, true, {}), {}, on);
     result.variables.assign(variables.begin(), variables.end());
     return result;
   }
@@ -117,7 +129,7 @@ RealSequence<Dim> BeadChecks<Dim>::cut(const PseudoTime<Dim>& time, std::span<co
   points.insert(points.end(), inner.begin(), inner.end());
   points.push_back(1.0);
   RealSequence<Dim> result =
-      checked(time, CurvedLayers(setup().part.part_density(), points, 1.0, true), points);
+      checked(time, CurvedLayers(on.part.part_density(), points, 1.0, true), points, on);
   result.variables = std::move(inner);
   return result;
 }
@@ -125,19 +137,19 @@ RealSequence<Dim> BeadChecks<Dim>::cut(const PseudoTime<Dim>& time, std::span<co
 template <int Dim>
 RealSequence<Dim> BeadChecks<Dim>::cut(const PseudoTime<Dim>& time, int layers) const {
   const std::vector<double> points = uniform_time_points(layers * simulated_.config.layers.passes);
-  return checked(time, CurvedLayers(setup().part.part_density(), points, 1.0, true), points);
+  return checked(time, CurvedLayers(finest().part.part_density(), points, 1.0, true), points, finest());
 }
 
 template <int Dim>
 void BeadChecks<Dim>::judge(const RealSequence<Dim>& real, SequenceReport& report) const {
-  const Index<Dim>& elements = setup().grid.domain().elements;
+  const Index<Dim>& elements = finest().grid.domain().elements;
   report.real_layers = {simulated_.config.layers.passes,
                         real.count,
                         {elements.begin(), elements.end()},
-                        per_bead_,
+                        grids_.back()->per_bead,
                         *report.verdict};
   report.found.replace(real.build.numbers);
-  report.verdict = fabseq::judge(report.found, setup().settings);
+  report.verdict = fabseq::judge(report.found, finest().settings);
 }
 
 template <int Dim>

@@ -32,7 +32,7 @@ std::optional<SequenceReport> start_report(const Setup<Dim>& setup, const Proble
   try {
     const auto state = pipeline.run(start, beta, true);
     SequenceReport report = report_sequence(setup, problem, pipeline, state);
-    if (beads) beads->judge(beads->cut(*state.time, start.layer_variables), report);
+    if (beads) beads->judge(beads->cut(*state.time, start.layer_variables, beads->finest()), report);
     return report;
   } catch (const NumericalError& error) {
     warn(std::string("no block start in summary.json: ") + error.what());
@@ -76,8 +76,10 @@ FinalReports final_reports(const Setup<Dim>& setup, const Problem<Dim>& problem,
   }
   Pipeline<Dim>& last = repaired ? *repaired->pipeline : pipeline;
   if (beads) {
-    real = beads->cut(*last.last_time(), best.design().layer_variables);
-    beads->judge(*real, reports.binary);
+    const PseudoTime<Dim>& time = *last.last_time();
+    const std::vector<double>& variables = best.design().layer_variables;
+    beads->judge(beads->cut(time, variables, beads->finest()), reports.binary);
+    real = beads->cut(time, variables, beads->for_bodies());
   }
   drop_unwritten_fields(reports.binary);
   // Reports take memory. Planar layers, which need a pipeline of their own, come while there are few, and not

@@ -2,7 +2,6 @@
 #include "tasks/refined_time.h"
 
 #include "fabseq/base/mpi.h"
-#include "fabseq/sequence/refined_field.h"
 
 #include <cstddef>
 #include <span>
@@ -15,13 +14,13 @@ namespace {
 /// Empty where the gradient is not known, on all ranks.
 template <int Dim>
 std::vector<double> refined_gradient(const Part<Dim>& part, std::span<const double> gradient,
-                                     const Part<Dim>& fine) {
+                                     const Part<Dim>& fine, BeyondCentres beyond) {
   if (!any(part.grid().comm(), !gradient.empty())) return {};
   std::vector<double> result(fine.elements().size() * Dim);
   std::vector<double> component(part.elements().size());
   for (int axis = 0; axis < Dim; ++axis) {
     for (std::size_t e = 0; e < component.size(); ++e) component[e] = gradient[e * Dim + axis];
-    const std::vector<double> refined = refined_field<Dim>(part, component, fine);
+    const std::vector<double> refined = refined_field<Dim>(part, component, fine, beyond);
     for (std::size_t e = 0; e < refined.size(); ++e) result[e * Dim + axis] = refined[e];
   }
   return result;
@@ -30,11 +29,12 @@ std::vector<double> refined_gradient(const Part<Dim>& part, std::span<const doub
 }  // namespace
 
 template <int Dim>
-PseudoTime<Dim> refined_time(const Part<Dim>& part, const PseudoTime<Dim>& time, const Part<Dim>& fine) {
+PseudoTime<Dim> refined_time(const Part<Dim>& part, const PseudoTime<Dim>& time, const Part<Dim>& fine,
+                             BeyondCentres beyond) {
   PseudoTime<Dim> result;
   result.time = refined_field<Dim>(part, time.time, fine);
-  result.gradient = refined_gradient(part, time.gradient, fine);
-  result.recorded_gradient = refined_gradient(part, time.recorded_gradient, fine);
+  result.gradient = refined_gradient(part, time.gradient, fine, beyond);
+  result.recorded_gradient = refined_gradient(part, time.recorded_gradient, fine, beyond);
   return result;
 }
 

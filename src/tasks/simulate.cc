@@ -195,8 +195,9 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
       simulation_of(setup, last, repaired ? repaired->state : state, std::move(report));
   simulation.design = repaired ? repaired->design : design;
   if (const auto beads = make_bead_checks(setup)) {
-    const RealSequence<Dim> real = beads->cut(*last.last_time(), design.layer_variables);
-    beads->judge(real, simulation.report);
+    const PseudoTime<Dim>& time = *last.last_time();
+    beads->judge(beads->cut(time, design.layer_variables, beads->finest()), simulation.report);
+    const RealSequence<Dim> real = beads->cut(time, design.layer_variables, beads->for_bodies());
     write_real_layers(*beads, real, simulation.report, directory);
   }
   if (repaired) simulation.repair = std::move(repaired->repair);

@@ -40,7 +40,7 @@ template <int Dim>
 Json summary_record(const Setup<Dim>& setup, const RealSequence<Dim>& real, const SequenceReport& report) {
   SequenceNumbers numbers;
   numbers.layers = layer_numbers(setup.part, real);
-  numbers.found = real.build.numbers;
+  numbers.found = report.found;
   numbers.verdict = report.verdict;
   numbers.real_layers = report.real_layers;
   Json record = Json::object({{"name", setup.config.name},
@@ -71,12 +71,9 @@ void write_fields(const Setup<Dim>& setup, const RealSequence<Dim>& real, const 
   fields.add_elements("density", setup.part.density());
   if (setup.part.substrate().count() > 0) fields.add_elements("substrate", substrate);
   fields.add_elements("time", real.time.time, 1, &setup.part.elements());
-  const std::vector<double>& gradient =
-      real.time.gradient.empty() ? real.time.recorded_gradient : real.time.gradient;
-  if (any(setup.grid.comm(), !gradient.empty()))
-    fields.add_elements("time_gradient", gradient, Dim, &setup.part.elements());
   fields.add_elements("layer", real.layer, 1, &setup.part.elements());
   add_build_fields(fields, setup.part, real.build.fields, "");
+  for (auto& field : fields.fields) field.single_precision = field.name != "time";  // the grid is fine
   Hdf5Writer file(setup.world(), directory.file(folder + "result.h5"));
   file.template write_fields<Dim>(fields);
   if (setup.layers->variables().count() > 0) {
@@ -95,7 +92,7 @@ void write_fields(const Setup<Dim>& setup, const RealSequence<Dim>& real, const 
 template <int Dim>
 void write_real_layers(const BeadChecks<Dim>& beads, const RealSequence<Dim>& real,
                        const SequenceReport& report, const OutputDirectory& directory) {
-  const Setup<Dim>& setup = beads.setup();
+  const Setup<Dim>& setup = beads.for_bodies();
   const std::string folder = std::string(beads_folder) + "/";
   directory.make_folder(beads_folder);
   directory.write(folder + "config.json",

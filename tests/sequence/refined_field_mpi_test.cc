@@ -89,6 +89,22 @@ TYPED_TEST(RefinedFieldTest, GoesStraightFromCentreToCentre) {
   const std::vector<double> refined = refined_field<Dim>(coarse.part, values, fine.part);
   ASSERT_EQ(refined.size(), expected.size() << (Dim - 1));
   for (std::size_t e = 0; e < refined.size(); ++e) EXPECT_NEAR(refined[e], expected[e >> (Dim - 1)], 1e-14);
+  const std::vector<double> bounded =
+      refined_field<Dim>(coarse.part, values, fine.part, BeyondCentres::value);
+  EXPECT_NEAR(bounded.front(), 1.0, 1e-14);
+  EXPECT_NEAR(bounded.back(), 7.0, 1e-14);
+}
+
+/// Also in fine elements of the part that lie in coarse ones that are none.
+TYPED_TEST(RefinedFieldTest, WithoutSlopesNoValueLeavesTheOthers) {
+  constexpr int Dim = TypeParam::value;
+  const HoledBlock<Dim> block;
+  const std::vector<double> noise = test::noise_field(block.coarse.part, 1.0, 2.0);
+  for (const double value :
+       refined_field<Dim>(block.coarse.part, noise, block.fine.part, BeyondCentres::value)) {
+    EXPECT_GE(value, 1.0);
+    EXPECT_LE(value, 2.0);
+  }
 }
 
 TYPED_TEST(RefinedFieldTest, IsTheSameOnAnyNumberOfRanks) {

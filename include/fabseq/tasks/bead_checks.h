@@ -10,14 +10,14 @@
 
 namespace fabseq {
 
-/// Real layers, on the grid of BeadChecks.
+/// Real layers, on a grid of BeadChecks.
 template <int Dim>
 struct RealSequence {
   PseudoTime<Dim> time;
   std::vector<double> layer;      ///< of each part element, from 1
   int count = 0;                  ///< of real layers
   SubParts sub_parts;             ///< of multi-planar layers
-  std::vector<double> variables;  ///< of the layers of BeadChecks::setup()
+  std::vector<double> variables;  ///< of its layers
   BuildReport build;              ///< their checks
 };
 
@@ -32,10 +32,13 @@ class BeadChecks {
   explicit BeadChecks(const Setup<Dim>& setup);
 
   /// The setup in real layers, on the finest grid.
-  const Setup<Dim>& setup() const { return grids_.back()->setup; }
-  /// Cuts the layers of a design; `variables`: those of its simulated layers.
-  RealSequence<Dim> cut(const PseudoTime<Dim>& time, std::span<const double> variables) const;
-  /// Cuts so many simulated layers of equal steps.
+  const Setup<Dim>& finest() const { return grids_.back()->setup; }
+  /// The same on the coarsest grid with an element to a bead, on which bodies of layers can still be made.
+  const Setup<Dim>& for_bodies() const;
+  /// Cuts the layers of a design on one of these grids; `variables`: those of its simulated layers.
+  RealSequence<Dim> cut(const PseudoTime<Dim>& time, std::span<const double> variables,
+                        const Setup<Dim>& on) const;
+  /// Cuts so many simulated layers of equal steps, on the finest grid.
   RealSequence<Dim> cut(const PseudoTime<Dim>& time, int layers) const;
   /// Puts checks, places and verdict of the real layers in place of those of the simulated ones.
   void judge(const RealSequence<Dim>& real, SequenceReport& report) const;
@@ -43,16 +46,16 @@ class BeadChecks {
  private:
   /// Cuts with curved layers of these time points, or else by `layers`.
   RealSequence<Dim> checked(const PseudoTime<Dim>& time, const Layers& layers,
-                            std::vector<double> time_points) const;
+                            std::vector<double> time_points, const Setup<Dim>& on) const;
 
   struct Level {
     Level(MPI_Comm world, Config config_) : config(std::move(config_)), setup(world, config) {}
     const Config config;
     const Setup<Dim> setup;
+    double per_bead = 0.0;  ///< elements to a bead
   };
 
   const Setup<Dim>& simulated_;
-  double per_bead_;                            ///< elements of the finest grid to a bead
   std::vector<std::unique_ptr<Level>> grids_;  ///< each twice as fine as the one before
   bool is_finer_ = true;                       ///< whether the first is finer than that of the setup
 };
