@@ -132,7 +132,7 @@ void add_members(Json& record, const SequenceNumbers& numbers, const ModelSettin
       Json::object({{"follow", is_nominal ? of_other : of_own}, {"nominal", is_nominal ? of_own : of_other}});
   add_findings(record, numbers.found, settings);
   if (numbers.verdict) record["verdict"] = to_record(*numbers.verdict);
-  if (numbers.real_layers) record["real_layers"] = to_record(*numbers.real_layers);
+  if (numbers.real_layers) record["real_layers"] = to_record(*numbers.real_layers, settings.unit);
   if (numbers.finished) record["finished"] = finished_record(*numbers.finished);
   if (!numbers.scenarios.empty()) record["scenarios"] = scenario_table(numbers.scenarios);
 }

@@ -106,7 +106,10 @@ std::vector<std::string> summary_table(const Summary& summary) {
   rows.push_back({"optimized", &reports.binary});
   std::vector<std::string> lines = {headline.words.front()};
   for (std::string& row : rows_of(rows, summary.settings, headline.released)) lines.push_back(std::move(row));
-  if (const auto& real = reports.binary.real_layers) lines.push_back(words_of(*real));
+  if (const auto& real = reports.binary.real_layers) {
+    lines.push_back(words_of(*real));
+    if (real->lumping) lines.push_back(words_of(*real->lumping, summary.settings.unit));
+  }
   add_some(lines, headline.places, most_places, places_in_all(reports.binary));
   std::vector<std::string> remarks(headline.words.begin() + 1, headline.words.end());
   std::ranges::move(reports.binary.found.words_in(ToldIn::table), std::back_inserter(remarks));

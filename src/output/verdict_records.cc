@@ -14,6 +14,10 @@ Json to_record(const ComparedSequence& compared) {
                        {"class", name_of(compared.build_class)}});
 }
 
+Json to_record(const DistortionLengths& lengths) {
+  return Json::object({{"length", lengths.term ? Json(*lengths.term) : Json()}, {"rms", lengths.rms}});
+}
+
 /// The thickness over the target, degrees, a depth; nothing of what hangs.
 Json worst_of(const Place& place, const Bead& bead) {
   if (place.fault == Fault::hanging) return {};
@@ -55,13 +59,22 @@ Json to_record(const Verdict& verdict) {
                        {"reasons", reasons}});
 }
 
-Json to_record(const RealLayers& layers) {
-  return Json::object({{"passes", layers.passes},
-                       {"count", layers.count},
-                       {"elements", layers.elements},
-                       {"elements_per_bead", layers.per_bead},
-                       {"simulated", to_record(layers.simulated)},
-                       {"words", words_of(layers)}});
+Json to_record(const RealLayers& layers, const std::string& unit) {
+  Json record = Json::object({{"passes", layers.passes},
+                              {"count", layers.count},
+                              {"elements", layers.elements},
+                              {"elements_per_bead", layers.per_bead},
+                              {"simulated", to_record(layers.simulated)},
+                              {"words", words_of(layers)}});
+  if (const auto& lumping = layers.lumping)
+    record["lumping"] = Json::object({{"elements", lumping->elements},
+                                      {"elements_per_bead", lumping->per_bead},
+                                      {"simulated", to_record(lumping->simulated)},
+                                      {"real", to_record(lumping->real)},
+                                      {"planar_simulated", to_record(lumping->planar_simulated)},
+                                      {"planar_real", to_record(lumping->planar_real)},
+                                      {"words", words_of(*lumping, unit)}});
+  return record;
 }
 
 Json to_record(const FaultyPlaces& places, const ModelSettings& settings) {

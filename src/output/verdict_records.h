@@ -6,11 +6,13 @@
 #include "fabseq/base/json.h"
 #include "fabseq/report/headline.h"
 
+#include <string>
+
 namespace fabseq {
 
 Json to_record(const Verdict& verdict);
-/// The block "real_layers".
-Json to_record(const RealLayers& layers);
+/// The block "real_layers". `unit`: of length.
+Json to_record(const RealLayers& layers, const std::string& unit);
 Json to_record(const Headline& headline);
 /// Places with what is wrong there, the largest first.
 Json to_record(const FaultyPlaces& places, const ModelSettings& settings);

@@ -6,6 +6,7 @@
 #include "fabseq/machine/interior_extrema.h"
 #include "fabseq/tasks/starting_design.h"
 #include "fabseq/tasks/tasks.h"
+#include "tasks/lumping.h"
 #include "tasks/repaired_sequence.h"
 #include "tasks/sensitivity.h"
 #include "tasks/write_real_layers.h"
@@ -75,11 +76,11 @@ FinalReports final_reports(const Setup<Dim>& setup, const Problem<Dim>& problem,
     reports.repair = std::move(repaired->repair);
   }
   Pipeline<Dim>& last = repaired ? *repaired->pipeline : pipeline;
+  GivenDesign<Dim> given;
   if (beads) {
-    const PseudoTime<Dim>& time = *last.last_time();
-    const std::vector<double>& variables = best.design().layer_variables;
-    beads->judge(beads->cut(time, variables, beads->finest()), reports.binary);
-    real = beads->cut(time, variables, beads->for_bodies());
+    given = {*last.last_time(), best.design().layer_variables, best.beta()};
+    beads->judge(beads->cut(given.time, given.layer_variables, beads->finest()), reports.binary);
+    real = beads->cut(given.time, given.layer_variables, beads->for_bodies());
   }
   drop_unwritten_fields(reports.binary);
   // Reports take memory. Planar layers, which need a pipeline of their own, come while there are few, and not
@@ -92,6 +93,10 @@ FinalReports final_reports(const Setup<Dim>& setup, const Problem<Dim>& problem,
   reports.optimized.strain = strain_when_built(last);
   last.release_memory();
   reports.start = start_report(setup, problem, pipeline, best.beta(), beads);
+  if (beads) {
+    pipeline.release_memory();
+    reports.binary.real_layers->lumping = simulate_lumping(setup, given, timer);
+  }
   reports.limits = constraint_limits(setup, problem);
   reports.miss = miss_of_best(setup, problem, reports, best);
   return reports;

@@ -2,7 +2,6 @@
 #include "tasks/sensitivity.h"
 
 #include "fabseq/base/error.h"
-#include "fabseq/base/memory.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/session.h"
 #include "fabseq/base/stop.h"
@@ -26,19 +25,6 @@ std::vector<std::string> distortion_names(const std::vector<Term>& objective) {
   for (std::size_t k = 0; k < objective.size(); ++k)
     if (objective[k].type->name == "distortion") result.push_back("objective_" + std::to_string(k));
   return result;
-}
-
-/// Why the grid twice as fine is left out; empty: it is not.
-template <int Dim>
-std::string obstacle_of_finer_grid(const Setup<Dim>& setup) {
-  const std::optional<bool>& asked_for = setup.config.output.finer_grid;
-  if (asked_for) return *asked_for ? "" : "left out by output.finer_grid";
-  RunSize size = setup.size;
-  for (double* number : {&size.unknowns, &size.nodes, &size.part_elements}) *number *= 1 << Dim;
-  const double needed = memory_estimate(size, setup.config.solver.path, setup.groups.count(), setup.lanes);
-  if (needed <= usable_memory * static_cast<double>(available_memory_bytes(setup.world()))) return "";
-  return "it needs about " + std::to_string(std::llround(needed / 1e9) + 1) +
-         " GB of memory; output.finer_grid true has it all the same";
 }
 
 SensitivityRow skipped_row(const std::string& change, const std::string& reason) {

@@ -8,6 +8,7 @@
 #include "fabseq/config/setup.h"
 #include "fabseq/sequence/sequence.h"
 
+#include <array>
 #include <functional>
 #include <optional>
 #include <string>
@@ -55,6 +56,16 @@ struct VariedPair {
 /// All changes that take a simulation, "unchanged" first. Collective on the world of the setup.
 template <int Dim>
 std::vector<Variation> all_variations(const Setup<Dim>& setup);
+
+/// The layers as they are simulated, and cut into the real ones that they stand for, on one grid: twice as
+/// fine where a bead is lower than an element, of which it has `per_bead`, unless that is not possible.
+/// Collective on the world of the setup.
+template <int Dim>
+std::array<Variation, 2> variations_of_passes(const Setup<Dim>& setup, double per_bead);
+
+/// Why a grid twice as fine is left out; empty: it is not. Collective on the world of the setup.
+template <int Dim>
+std::string obstacle_of_finer_grid(const Setup<Dim>& setup);
 
 /// Simulates both under a change; with `more`, fills in what needs no solve. Collective on the world of the
 /// setup. Throws InputError if the changed model is refused, NumericalError if a solve fails.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// The changes of the sensitivity table.
 #include "fabseq/base/formatted.h"
+#include "fabseq/base/memory.h"
 #include "fabseq/sequence/geodesic_distance.h"
 #include "tasks/advice.h"
 #include "tasks/variation.h"
@@ -123,6 +124,43 @@ std::vector<Variation> all_variations(const Setup<Dim>& setup) {
   return std::move(list.variations);
 }
 
+template <int Dim>
+std::array<Variation, 2> variations_of_passes(const Setup<Dim>& setup, double per_bead) {
+  const int passes = setup.config.layers.passes, layers = setup.layers->count();
+  const int baseline_layers = setup.baseline->count();
+  const bool finer = per_bead < 1.0 && obstacle_of_finer_grid(setup).empty();
+  std::array<Variation, 2> result;
+  result[0].name = "simulated layers";
+  result[0].change = [=](Config& its) {
+    if (finer) refine(its);
+  };
+  result[1].name = "real layers";
+  result[1].change = [=](Config& its) {
+    if (finer) refine(its);
+    its.layers.passes = 1;  // slabs are as thick as a bead then
+    if (its.thermal) its.thermal->given_passes.reset();
+    if (its.layers.count) its.layers.count = passes * layers;
+    its.baseline.layers = passes * baseline_layers;
+  };
+  for (Variation& variation : result) variation.finer = finer;
+  result[1].layers_times = passes;
+  return result;
+}
+
+template <int Dim>
+std::string obstacle_of_finer_grid(const Setup<Dim>& setup) {
+  const std::optional<bool>& asked_for = setup.config.output.finer_grid;
+  if (asked_for) return *asked_for ? "" : "left out by output.finer_grid";
+  RunSize size = setup.size;
+  for (double* number : {&size.unknowns, &size.nodes, &size.part_elements}) *number *= 1 << Dim;
+  const double needed = memory_estimate(size, setup.config.solver.path, setup.groups.count(), setup.lanes);
+  if (needed <= usable_memory * static_cast<double>(available_memory_bytes(setup.world()))) return "";
+  return "it needs about " + std::to_string(std::llround(needed / 1e9) + 1) +
+         " GB of memory; output.finer_grid true has it all the same";
+}
+
 FABSEQ_INSTANTIATE_FUNCTION(all_variations);
+FABSEQ_INSTANTIATE_FUNCTION(variations_of_passes);
+FABSEQ_INSTANTIATE_FUNCTION(obstacle_of_finer_grid);
 
 }  // namespace fabseq

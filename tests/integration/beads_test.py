@@ -166,6 +166,36 @@ class RealLayersTest(FabseqTest):
         self.assertLessEqual(summary["binary"]["checks"]["tilt"]["largest"], 50 + 1e-6)
         self.assertGreater(summary["binary"]["checks"]["tilt"]["largest"], 5)
 
+    def test_spread_by_lumping(self):
+        """As simulations of the same sequence in simulated and in real layers have it, and planar ones."""
+        config = in_beads(plate_2d(), 2)
+        run = self.optimize(config, 1, 2)
+        real = run.json("summary.json")["binary"]["real_layers"]
+        lumping = real["lumping"]
+        self.assertEqual(lumping["elements"], [20, 12])
+        self.assertAlmostEqual(lumping["elements_per_bead"], 1.5)
+        self.assertIn(lumping["words"], run.stdout)
+        self.assertIn("spread by lumping: the first distortion term, as a length, is ", lumping["words"])
+        for passes, name in ((2, "simulated"), (1, "real")):
+            options = "-task", "simulate", "-binary", "-set", f"layers.passes={passes}", "-tolerance", "1e-11"
+            again = self.run_config(1, run.path("config.json"), "-sequence", run.path("result.h5"), *options)
+            planar = self.run_config(1, config | {"sequence": {"type": "planar"}}, *options, "-layers", 8 // passes)
+            for one, key in ((again, name), (planar, "planar_" + name)):
+                self.assert_done(one)
+                expected = one.json("summary.json")
+                self.assertAlmostEqual(lumping[key]["length"]**2 / expected["responses"][0]["value"], 1, delta=1e-6)
+                self.assertAlmostEqual(lumping[key]["rms"] / expected["displacement"]["rms"], 1, delta=1e-6)
+        self.assertNotAlmostEqual(lumping["real"]["length"] / lumping["simulated"]["length"], 1, delta=1e-3)
+
+    def test_thin_real_layers_are_simulated_on_a_finer_grid(self):
+        for options, elements, count in (((), [40, 24], 1.2), (("-finer_grid", "false"), [20, 12], 0.6)):
+            run = self.run_config(1, in_beads(plate_2d(), 5), "-set", "optimizer.max_iterations=1", *options)
+            self.assert_done(run)
+            lumping = run.json("summary.json")["binary"]["real_layers"]["lumping"]
+            self.assertEqual(lumping["elements"], elements)
+            self.assertAlmostEqual(lumping["elements_per_bead"], count)
+            self.assertEqual("the grid does not resolve real layers" in lumping["words"], count < 1)
+
     def test_all_sequences_are_judged_alike(self):
         config = in_beads(hook_3d(), 3) | {"tool": TOOL, "baseline": {"direction": "best"}}
         runs = [self.run_config(ranks, config, "-set", "optimizer.max_iterations=2") for ranks in distinct(1, 2)]
