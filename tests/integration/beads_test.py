@@ -142,7 +142,8 @@ class RealLayersTest(FabseqTest):
                                           np.ceil(12 * fields["time"][fields["density"] > 0] - 1e-9))
             self.assertEqual(summary["verdict"], found["verdict"])
             element = 2.0 * 1.2 * 0.5 / fields["density"].size
-            self.assertAlmostEqual(sum(layer["volume"] for layer in summary["layers"]), fields["density"].sum() * element, places=9)
+            volume = sum(layer["volume"] for layer in summary["layers"])
+            self.assertAlmostEqual(volume, fields["density"].sum() * element, places=9)
 
     def test_each_layer_is_cut_into_equal_steps(self):
         """Of the pseudo-time between its own time points, where these vary, too."""

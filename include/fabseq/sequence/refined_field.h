@@ -18,8 +18,8 @@ enum class BeyondCentres {
 /// box (docs/developer/numerics.md 12): linear between the centres of elements of the part. Beyond the last
 /// centre before the part's surface it goes on as `beyond` says; values outside the part do not enter.
 /// Elements of the fine part whose coarse element is no part element take the mean of what their nearest part
-/// elements would go on to. A linear field that
-/// goes on with its slope stays what it is wherever the part is two elements thick.
+/// elements would go on to. A linear field that goes on with its slope stays what it is wherever the part is
+/// two elements thick.
 ///
 /// `part`: of the field. `fine`: a part field of it is returned. Both grids have the same communicator, on
 /// which the call is collective; a rank gathers what its own fine elements lie in. Source: fabseq's own.
