@@ -55,9 +55,9 @@ set(FABSEQ_COSTS
     integration.orient=40 integration.compensate=40 integration.calibrate=40 integration.calibrate_runs=25 integration.calibrate_checks=25 integration.calibrate_flow=60 integration.gradient_matrix=40 integration.guided=30 integration.welded_back=100
     lane_elasticity_mpi_test.np4=35 heat_sequence_mpi_test.np4=30 integration.locale=30 integration.locks=30
     integration.mesh=30 integration.simulate=20 integration.coarse=20 integration.starts=15 integration.squares=20 integration.leaks=20
-    integration.one_reader=10 integration.judged_again=20 integration.pictures=20 integration.model_group=20 integration.check_picture=20 scripts.compare_test=20 faults.configs=15 integration.hostile_input=15
+    integration.one_reader=10 integration.judged_again=20 integration.beads=20 integration.pictures=20 integration.model_group=20 integration.check_picture=20 scripts.compare_test=20 faults.configs=15 integration.hostile_input=15
     integration.reference=15 integration.gradients=15 integration.calculix=15 integration.install=15 integration.python=15 integration.own_kinds=20 integration.package=5
-    scripts.tools_package_test=15 scripts.new_config_test=25 scripts.new_config_pieces_test=20 scripts.study_tools_test=45 scripts.machine_option_test=30 integration.machine_file=10 scripts.answer_test=20 scripts.damaged_files_test=15 scripts.virtual_display_test=15 integration.outputs=10 run_lock_test.np1=12)
+    scripts.tools_package_test=15 scripts.new_config_test=25 scripts.new_config_pieces_test=20 scripts.new_config_beads_test=20 scripts.study_tools_test=45 scripts.machine_option_test=30 integration.machine_file=10 scripts.answer_test=20 scripts.damaged_files_test=15 scripts.virtual_display_test=15 integration.outputs=10 run_lock_test.np1=12)
 function(fabseq_cost result name)
   set(cost 1)
   foreach(entry ${FABSEQ_COSTS})

@@ -154,7 +154,8 @@ void BeadChecks<Dim>::judge(const RealSequence<Dim>& real, SequenceReport& repor
 
 template <int Dim>
 std::unique_ptr<const BeadChecks<Dim>> make_bead_checks(const Setup<Dim>& setup) {
-  if (setup.config.layers.passes == 1) return nullptr;
+  const bool begins_another = setup.config.optimizer.later_iterations > 0;
+  if (setup.config.layers.passes == 1 || begins_another) return nullptr;
   try {
     return std::make_unique<const BeadChecks<Dim>>(setup);
   } catch (const InputError& error) {

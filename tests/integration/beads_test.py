@@ -237,6 +237,14 @@ class RealLayersTest(FabseqTest):
         self.assertEqual(refused.returncode, 2)
         self.assertIn("each of the layers stands for 3 beads, and the run has cut only the optimized ones", refused.stderr)
 
+    def test_runs_that_others_begin_with_are_not_judged(self):
+        options = "-set", "optimizer.coarse_iterations=2", "-set", "optimizer.max_iterations=1"
+        run = self.run_config(1, in_beads(plate_2d(), 2), *options)
+        self.assert_done(run)
+        self.assertIn("real_layers", run.json("summary.json")["binary"])
+        self.assertNotIn("real_layers", run.json("coarse/summary.json")["binary"])
+        self.assertFalse(os.path.exists(run.path("coarse/beads")))
+
     def test_the_next_run_removes_the_folder(self):
         path = self.write_config(in_beads(plate_2d(), 3))
         options = "-task", "simulate", "-binary", "-overwrite"

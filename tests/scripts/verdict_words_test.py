@@ -14,7 +14,7 @@ from fabseq_tools.report.report import ReportRun, page_of
 from fabseq_tools.report.words import violation
 from fabseq_tools.run import verdict_words as verdicts
 from fabseq_tools.run.answer_figures import figures_of
-from fabseq_tools.run.check_words import check_sentences
+from fabseq_tools.run.check_words import check_figures, check_sentences, thickness_limits
 from fabseq_tools.run.misses import worst_misses
 from fabseq_tools.run.read_run import Run
 
@@ -144,6 +144,17 @@ class VerdictWords(unittest.TestCase):
         self.assertEqual(check_sentences(Run(self.folder)), [meeting])
         fake_results.change(self.folder, "summary.json", lambda summary: summary["binary"]["words"].update(other=["found new"]))
         self.assertEqual(check_sentences(Run(self.folder)), [meeting, "Found new."])
+
+    def test_real_layers(self):
+        """What the verdict goes by comes first; the range of thickness is a bead's, as the figures are."""
+        real = {"words": "judged by 12 real layers", "lumping": {"words": "spread by lumping: 1 mm"}}
+        fake_results.change(self.folder, "summary.json", lambda summary: summary["binary"].update(real_layers=real))
+        fake_results.change(self.folder, "config.json", lambda config: config.update(
+            layers={"count": 4, "passes": 3, "target": 2.0}, tool={"thickness": [0.5, 1.5]}))
+        run = Run(self.folder)
+        self.assertEqual(check_sentences(run)[:2], ["Judged by 12 real layers.", "Spread by lumping: 1 mm."])
+        self.assertIn("local thickness outside 1 to 3, share of the part", check_figures(run)[""])
+        self.assertEqual(thickness_limits(run), [3.0, 9.0])
 
     def test_faults_are_named_as_in_the_files(self):
         """Numbers in the field, names in summary.json."""

@@ -60,8 +60,8 @@ class BeadChecks {
   bool is_finer_ = true;                       ///< whether the first is finer than that of the setup
 };
 
-/// None where each simulated layer is a real one, or, with a warning, where the grids cannot be made.
-/// Collective.
+/// None where each simulated layer is a real one, in runs with which others begin, or, with a warning, where
+/// the grids cannot be made. Collective.
 template <int Dim>
 std::unique_ptr<const BeadChecks<Dim>> make_bead_checks(const Setup<Dim>& setup);
 

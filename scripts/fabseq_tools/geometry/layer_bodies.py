@@ -66,7 +66,9 @@ class LayeredPart:
 
     def __init__(self, directory, of="optimized", finer=None, progress=SILENT):
         self.progress = progress
-        run, directory = run_of_layers(directory, of)
+        run, folder = run_of_layers(directory, of)
+        if folder != directory:  # its grid is fine
+            directory, finer = folder, finer or 1
         self.config, self.name = run.config, run.name
         if len(self.config["domain"]["size"]) == 2:
             raise RunError(f"{directory}: is a run in two dimensions; allowed: a run in three")

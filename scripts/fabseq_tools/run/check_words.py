@@ -18,7 +18,8 @@ def check_sentences(run):
     """What findings say of the layers that the run is about (`words` of summary.json), beside headline and
     verdict; of stress where the config asks for it."""
     block = run.summary.get(result_of(run), {})
-    judged = [whole(block["real_layers"]["words"])] if "real_layers" in block else []
+    real = block.get("real_layers")
+    judged = [whole(told["words"]) for told in (real, real.get("lumping")) if told] if real else []
     told = [*run.summary.get("headline", {}).get("words", []),
             *(reason["words"] for reason in block.get("verdict", {}).get("reasons", []))]
     asked = run.config.get("output", {}).get("stress")
