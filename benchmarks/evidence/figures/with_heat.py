@@ -7,7 +7,8 @@
 CASES names the parts; without a name all are run. Each part is built three times: in planar layers, in
 tilted layers or the start design's, and in layers optimized for the linear model, all binary. CalculiX
 (calculix-ccx, ccx 2.20) first finds the temperatures, then the displacement of elastic, plastic steel that
-shrinks from the solidus, and of its release, with two types of brick. fabseq simulates the same layers
+shrinks from the solidus, and of its release, with two types of brick. Sequences in REFINED_RUNS are simulated
+once more on elements of half the size, heat as well as displacement. fabseq simulates the same layers
 
 - with plastic flow (process.model elastoplastic), the steel's curves and no factor; with two values of
   cut_off, and on elements of half the size,
@@ -18,7 +19,8 @@ fitted to the planar case, for each type of brick. Displacements are compared af
 motions, at the nodes of the part.
 
 Leaves CASE.json with all figures and OUTPUT/CASE.npz with the fields, and prints tables. What is there is not
-run again. Takes some minutes per sequence on one core. --table runs nothing.
+run again. Takes some minutes per sequence on one core, and a quarter of an hour and more per refined brick.
+--table runs nothing.
 """
 
 import json
@@ -34,7 +36,7 @@ from fabseq_tools.geometry.rigid_motions import without_rigid_motion
 from fabseq_tools.run.read_run import read_fields, read_json
 from heat_and_plasticity import own_cooling, steel
 from heat_and_plasticity.bricks import Bricks
-from heat_and_plasticity.compared import BRICKS, FINER, FLOW, HOTTER, LINEAR, compared
+from heat_and_plasticity.compared import BRICKS, FINER, FLOW, HOTTER, LINEAR, REFINED, compared
 from heat_and_plasticity.finer import at_coarse_nodes, finer_settings
 from heat_and_plasticity.heat import Schedule, temperatures
 from heat_and_plasticity.mechanics import displacements
@@ -49,6 +51,8 @@ CASES = {"arm": ("arm", ("planar", "start", "optimized"), {}),
          "cold_wall": ("wall", THREE, {"process.dwell": 45}),
          "cross": ("cross", THREE, {}),
          "tee": ("tee", THREE, {})}
+# What CalculiX simulates on refined elements, too.
+REFINED_RUNS = {"wall": {"planar": BRICKS}}
 UPRIGHT, TILTED = [0, 0, 1], [0.2588, 0, 0.9659]   # the second leans by 15 degrees
 
 
@@ -66,6 +70,7 @@ def main():
     parser.add_argument("names", nargs="*", metavar="CASE")
     parser.add_argument("--output", default=os.path.join("output", "with_heat"))
     parser.add_argument("--table", action="store_true", help="only of what is there")
+    parser.add_argument("--coarse", action="store_true", help="without CalculiX on refined elements")
     parser.add_argument("--program", default=os.environ.get("FABSEQ_PROGRAM", PROGRAM))
     parser.add_argument("--picture", metavar="FILE", help="also draw the displacements")
     arguments = parse(parser)
@@ -88,6 +93,7 @@ class Study:
 
     def __init__(self, arguments, case):
         name, self.sequences, self.settings = CASES[case]
+        self.refined_runs = {} if arguments.coarse else REFINED_RUNS.get(case, {})
         self.arguments, self.config = arguments, os.path.join(FOLDER, name + ".json")
         self.output = os.path.join(arguments.output, case)
 
@@ -120,12 +126,22 @@ class Study:
         words = ["-binary", *self.words_of(sequence), *set_words(RUNS[model])]
         return self.run(f"{sequence}_{model.replace(' ', '_')}", "simulate", *words)
 
-    def finer(self, sequence, bricks):
-        """The model with plastic flow, the same layers, elements of half the size."""
+    def finer(self, sequence, bricks, model):
+        """A model with plastic flow, the same layers, elements of half the size."""
         settings = finer_settings(bricks, os.path.join(self.output, f"{sequence}_layers.h5"))
         distortion = bricks.config["objective"][:1]  # a file says no gradient of the times, for their uniformity
-        words = set_words({"constraints": [], "objective": distortion, **RUNS[FLOW], **settings})
-        return self.run(f"{sequence}_{FINER.replace(' ', '_')}", "simulate", "-binary", *words)
+        words = set_words({"constraints": [], "objective": distortion, **RUNS[model], **settings})
+        return self.run(f"{sequence}_{FINER[model].replace(' ', '_')}", "simulate", "-binary", *words)
+
+    def refined(self, sequence, finer):
+        """Types of brick and displacements by CalculiX on the finer run's elements, with their own heat."""
+        kinds = self.refined_runs.get(sequence, ())
+        if kinds:
+            bricks = Bricks(finer)
+            schedule, folder = Schedule(bricks), os.path.join(self.output, f"{sequence}_ccx_fine")
+            heat = temperatures(bricks, schedule, folder)
+            for kind in kinds:
+                yield kind, displacements(bricks, heat, schedule.ambient, folder, kind)[1]
 
     def figures(self):
         fields, found = {}, {}
@@ -146,7 +162,11 @@ class Study:
         moved = {kind: displacements(bricks, heat, schedule.ambient, folder, kind)[1] for kind in BRICKS}
         for model, directory in directories.items():
             moved[model] = moved_of(directory)
-        moved[FINER] = at_coarse_nodes(moved_of(self.finer(sequence, bricks)), bricks.grid.shape)
+        finer = {name: self.finer(sequence, bricks, model) for model, name in FINER.items()}
+        for name, directory in finer.items():
+            moved[name] = at_coarse_nodes(moved_of(directory), bricks.grid.shape)
+        for kind, values in self.refined(sequence, finer[FINER[FLOW]]):
+            moved[REFINED[kind]] = at_coarse_nodes(values, bricks.grid.shape)
         moved[LINEAR[-1]] = own_cooling.displacements(bricks, heat, schedule.ambient)
         fields = {name: without_rigid_motion(values[nodes], points) for name, values in moved.items()}
         layers = read_json(directories["thermal"], "summary.json")["layers"]

@@ -17,7 +17,7 @@ import numpy as np
 from fabseq_tools.geometry.grid import node_positions
 from heat_and_plasticity import mechanics, own_cooling, steel
 from heat_and_plasticity.bricks import Bricks
-from heat_and_plasticity.compared import BRICKS, FLOW, FLOWS, LINEAR, compared
+from heat_and_plasticity.compared import BRICKS, FLOW, FLOWS, LINEAR, REFINED, best_gain, compared, gain
 from heat_and_plasticity.finer import at_coarse_nodes, finer_settings
 from heat_and_plasticity.mechanics import OwnNodes
 from heat_and_plasticity.tables import print_factor_tables, print_tables
@@ -127,24 +127,44 @@ class HeatAndPlasticityTest(unittest.TestCase):
         found = compared(fields)
         self.assertAlmostEqual(found["tilted"][FLOW]["C3D8I"]["error"], 0.2)
         self.assertAlmostEqual(found["tilted"][FLOW]["C3D8"]["error"], 1.0 / 9.0)
-        self.assertAlmostEqual(found["tilted"]["C3D8"]["difference"], 0.1)
+        self.assertAlmostEqual(found["tilted"]["C3D8"]["difference"]["C3D8I"], 0.1)
         self.assertAlmostEqual(found["planar"]["constant"]["C3D8I"]["error"], 0.0)
         self.assertAlmostEqual(found["tilted"]["constant"]["C3D8"]["scale"], 1.8)
         self.assertAlmostEqual(found["tilted"]["constant"]["C3D8I"]["error"], 1.0)
 
+    def test_error_bar_of_a_gain(self):
+        """Is the larger of what the type of brick and, where they were refined, finer elements change."""
+        planar = {kind: {"rms": 2.0} for kind in (*BRICKS, *REFINED.values())}
+        row = {"C3D8I": {"rms": 1.0}, "C3D8": {"rms": 1.25}}
+        np.testing.assert_allclose(best_gain(row, planar), (2.0, 0.4))
+        row["C3D8I refined"] = {"rms": 0.8}
+        np.testing.assert_allclose(best_gain(row, planar), (2.5, 0.5))
+        row["C3D8 refined"] = {"rms": 1.0}
+        np.testing.assert_allclose(best_gain(row, planar), (2.5, 0.5))
+        row["C3D8I"] = {"rms": 0.8}
+        np.testing.assert_allclose(best_gain(row, planar), (2.5, 0.5))
+        self.assertIsNone(gain(row, {"C3D8I": {"rms": 2.0}}, "C3D8 refined"))
+
     def test_tables(self):
-        """Have as many cells in each row as in the head, and no gain of the planar case."""
+        """Have as many cells in each row as in the head, and no gain of the planar case. Refined bricks, and
+        what is held against them, stand where they are there."""
         unit = np.ones((4, 3))
-        fields = {sequence: {name: scale * unit for name in (*BRICKS, *FLOWS, *LINEAR)}
-                  for sequence, scale in (("planar", 2.0), ("tilted", 1.0))}
+        scales = {"planar": 2.0, "tilted": 1.0, "optimized": 0.5}
+        fields = {sequence: {name: scale * unit for name in (*BRICKS, *FLOWS, *LINEAR)} for sequence, scale in scales.items()}
+        for sequence in ("planar", "tilted"):
+            fields[sequence]["C3D8I refined"] = 1.1 * scales[sequence] * unit
+        fields["planar"]["C3D8 refined"] = 2.0 * unit
         found = compared(fields)
         for row in found.values():
             row |= {"layers": 2, "interpass": {"ccx": [300.0], "fabseq": [310.0]}}
         printed = io.StringIO()
         with contextlib.redirect_stdout(printed):
             print_tables({"wall": found})
-        tables = self.tables(printed.getvalue(), [4, 3, 4, 4])
-        self.assertIn("| wall, tilted | 2.00 |", tables[1][2])
+        tables = self.tables(printed.getvalue(), [5, 4, 4, 4, 4, 5, 5])
+        self.assertIn("| wall, planar | 9 (0) |", tables[2][2])
+        self.assertIn("| wall, tilted | 9 |", tables[2][3])
+        self.assertIn("| wall, tilted | 2.00 ± 0.00 | 2.00 |", tables[3][2])
+        self.assertIn("| +0 %, within the bar |", tables[4][3])
 
     def test_tables_of_factors(self):
         """A factor for each part and kind, and errors for each sequence."""

@@ -1,27 +1,32 @@
 # SPDX-License-Identifier: MIT
-"""Models held against CalculiX: errors, and the factor that a linear model needs.
+"""Models held against CalculiX: errors, gains with error bars, and the factor that a linear model needs.
 
 The models with plastic flow take no factor. A linear one takes that for its strain which fits the planar case
-best, for each type of brick of CalculiX.
+best, for each type of brick of CalculiX. Some sequences have refined bricks, too, on elements of half the
+size, against which the models with plastic flow are held.
 """
 
 import numpy as np
 
 BRICKS = ("C3D8I", "C3D8")                        # of CalculiX; tables judge by the first where they name none
-FLOW, HOTTER, FINER = "flow", "flow 1200", "flow fine"   # steel.CUT_OFF, a cut-off of 1200, elements of half the size
-FLOWS = (FLOW, HOTTER, FINER)
+REFINED = {kind: f"{kind} refined" for kind in BRICKS}   # the same, elements of half the size
+FLOW, HOTTER = "flow", "flow 1200"                # steel.CUT_OFF, and a cut-off of 1200
+FINER = {model: model.replace(FLOW, "flow fine") for model in (FLOW, HOTTER)}   # elements of half the size
+FLOWS = (FLOW, HOTTER, *FINER.values())
 LINEAR = ("constant", "thermal", "own cooling")   # the last is own_cooling.py, with the temperatures of CalculiX
 
 
 def compared(fields):
     """Figures per sequence from fields {sequence: {brick or model: displacements (node, 3)}}: of a brick its
-    rms and its difference from the first type; of a model, against each type, scale, rms and error."""
+    rms and its difference from every other; of a model, against each brick, scale, rms and error."""
     found = {}
     for sequence, of in fields.items():
-        found[sequence] = {kind: {"rms": rms(of[kind]), "difference": relative(of[kind], of[BRICKS[0]])} for kind in BRICKS}
+        kinds = [kind for kind in (*BRICKS, *REFINED.values()) if kind in of]
+        found[sequence] = {kind: {"rms": rms(of[kind]), "difference": {other: relative(of[kind], of[other])
+                                                                       for other in kinds}} for kind in kinds}
         for model in (*FLOWS, *LINEAR):
-            found[sequence][model] = {kind: against(of[model], of[kind], scale_of(
-                fields["planar"], model, kind)) for kind in BRICKS}
+            found[sequence][model] = {kind: against(of[model], of[kind], scale_of(fields["planar"], model, kind))
+                                      for kind in kinds if model in FLOWS or kind in BRICKS}
     return found
 
 
@@ -42,3 +47,24 @@ def relative(ours, theirs):
 
 def rms(displacement):
     return float(np.sqrt(np.mean(np.sum(displacement**2, axis=1))))
+
+
+def gain(row, planar, name):
+    """The planar rms over that of a sequence, of a brick or model; None where one of both is missing."""
+    if name not in row or name not in planar:
+        return None
+    return rms_of(planar, name) / rms_of(row, name)
+
+
+def rms_of(row, name):
+    return row[name]["rms"] if "rms" in row[name] else row[name][BRICKS[0]]["rms"]
+
+
+def best_gain(row, planar):
+    """The gain by CalculiX's first type of brick on its finest elements, and an error bar: the larger of the
+    differences that finer elements and the other type of brick, on the finest elements that it has, make."""
+    coarse, refined = ([gain(row, planar, kind) for kind in kinds] for kinds in (BRICKS, REFINED.values()))
+    other = abs(coarse[1] - coarse[0]) if None in refined else abs(refined[1] - refined[0])
+    if refined[0] is None:
+        return coarse[0], other
+    return refined[0], max(other, abs(refined[0] - coarse[0]))
