@@ -57,9 +57,25 @@ void LaneCg<Problem, Width>::set_up(Islands& islands) {
 template <class Problem, int Width>
 std::vector<LaneOutcome> LaneCg<Problem, Width>::solve(LaneArray& load, LaneArray& solution, int lanes,
                                                        const LaneStop& stop) {
-  const FlushToZero flush_to_zero;
   solution.assign(load.size(), 0.0);
   Progress progress;
+  return solve_from(progress, load, solution, lanes, stop);
+}
+
+template <class Problem, int Width>
+std::vector<LaneOutcome> LaneCg<Problem, Width>::improve(LaneArray& load, LaneArray& solution, int lanes,
+                                                         const LaneStop& stop, const Scalars& smallest) {
+  Progress progress;
+  progress.guessed = true;
+  progress.known_smallest = smallest;
+  return solve_from(progress, load, solution, lanes, stop);
+}
+
+template <class Problem, int Width>
+std::vector<LaneOutcome> LaneCg<Problem, Width>::solve_from(Progress& progress, LaneArray& load,
+                                                            LaneArray& solution, int lanes,
+                                                            const LaneStop& stop) {
+  const FlushToZero flush_to_zero;
   Scalars scales = start(progress, load, solution, lanes);
   iterate(progress, load, solution, stop);
   for (double& scale : scales) scale = 1.0 / scale;
@@ -76,7 +92,8 @@ void LaneCg<Problem, Width>::multiply(LaneArray& vector, const Scalars& factors)
 }
 
 /// Scales the load of each lane to about 1, by a power of two, so that single precision holds its residual
-/// down to any tolerance, and solves for rigid motions of islands. Returns the scales.
+/// down to any tolerance, takes off what a guess makes of it, and solves for rigid motions of islands.
+/// Returns the scales.
 template <class Problem, int Width>
 LaneScalars<Width> LaneCg<Problem, Width>::start(Progress& progress, LaneArray& load, LaneArray& solution,
                                                  int lanes) {
@@ -93,15 +110,29 @@ LaneScalars<Width> LaneCg<Problem, Width>::start(Progress& progress, LaneArray& 
   }
   multiply(load, scales);
   if constexpr (Problem::own_operators) {
-    if (!islands_.empty()) {
-      islands_.add_correction(matrix_->level(), load.data(), solution.data());
-      matrix_->apply(solution.data(), image_.data());
-      for (std::size_t i = 0; i < load.size(); ++i) load[i] -= image_[i];
-      progress.length = matrix_->dot(solution.data(), solution.data());
+    if (progress.guessed) {
+      multiply(solution, scales);
+      matrix_->clear_held(solution.data());
+      subtract_image(solution, load);
     }
+    if (!islands_.empty()) {
+      corrected_.assign(load.size(), 0.0);
+      islands_.add_correction(matrix_->level(), load.data(), corrected_.data());
+      for (std::size_t i = 0; i < load.size(); ++i) solution[i] += corrected_[i];
+      subtract_image(corrected_, load);
+    }
+    if (progress.guessed || !islands_.empty())
+      progress.length = matrix_->dot(solution.data(), solution.data());
   }
   std::copy(load.begin(), load.end(), rounded_residual_.begin());
   return scales;
+}
+
+/// residual -= K vector
+template <class Problem, int Width>
+void LaneCg<Problem, Width>::subtract_image(const LaneArray& vector, LaneArray& residual) {
+  matrix_->apply(vector.data(), image_.data());
+  for (std::size_t i = 0; i < residual.size(); ++i) residual[i] -= image_[i];
 }
 
 template <class Problem, int Width>

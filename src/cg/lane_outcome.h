@@ -20,7 +20,8 @@ struct LaneOutcome {
   /// |M (f - K u)| relative to |M f| or |u|, whichever is smaller, docs/formulation.md 4.1
   double residual = 0.0;
   bool converged = false;
-  bool finite = true;  ///< false: something was not a number
+  double smallest = 1.0;  ///< estimate of the smallest eigenvalue of M K (SpectrumEstimate)
+  bool finite = true;     ///< false: something was not a number
 };
 
 }  // namespace fabseq

@@ -19,11 +19,13 @@ struct LaneProgress {
   using Scalars = LaneScalars<Width>;
 
   int iteration = 0;
+  bool guessed = false;  ///< whether the solution begins with a guess
   std::array<bool, Width> active{};
-  Scalars start{};     ///< |M f|^2
-  Scalars length{};    ///< |u|^2, this rank's part
-  Scalars decrease{};  ///< r . M r of the last step
-  Scalars energy{};    ///< p . K p of the last step
+  Scalars known_smallest = ones();  ///< of the eigenvalues of M K, before the first step
+  Scalars start{};                  ///< |M f|^2; with a guess |u|^2 of that
+  Scalars length{};                 ///< |u|^2, this rank's part
+  Scalars decrease{};               ///< r . M r of the last step
+  Scalars energy{};                 ///< p . K p of the last step
   std::array<SpectrumEstimate, Width> spectrum;
   std::array<LaneOutcome, Width> outcome{};
 
@@ -39,8 +41,14 @@ struct LaneProgress {
   void take(const LaneProgress<Other>& other, std::span<const int> lanes);
 
  private:
+  static Scalars ones() {
+    Scalars result;
+    result.fill(1.0);
+    return result;
+  }
+  double smallest(int lane) const { return std::min(known_smallest[lane], spectrum[lane].smallest()); }
   double bound(int lane, const LaneStop& stop) const {
-    return stop.tolerance * std::min(1.0, stop.error_factor * spectrum[lane].smallest());
+    return stop.tolerance * std::min(1.0, stop.error_factor * smallest(lane));
   }
 };
 
@@ -51,12 +59,14 @@ void LaneProgress<Width>::judge(const Scalars& size, const Scalars& length_of_al
   for (int lane = 0; lane < Width; ++lane) {
     if (!active[lane]) continue;
     // At the start there is nothing but the rigid motions of islands, which are part of M f.
-    if (iteration == 0) start[lane] = size[lane] + length_of_all[lane];
+    const bool has_guess = guessed && length_of_all[lane] > 0.0;
+    if (iteration == 0) start[lane] = (has_guess ? 0.0 : size[lane]) + length_of_all[lane];
     const double reference = iteration == 0 ? start[lane] : std::min(start[lane], length_of_all[lane]);
     LaneOutcome& of_lane = outcome[lane];
     of_lane.iterations = iteration;
     of_lane.finite = std::isfinite(size[lane]);
     of_lane.residual = size[lane] == 0.0 ? 0.0 : std::sqrt(size[lane] / reference);
+    of_lane.smallest = smallest(lane);
     of_lane.converged = of_lane.finite && of_lane.residual <= bound(lane, stop);
     if (of_lane.converged || !of_lane.finite) active[lane] = false;
   }
@@ -70,6 +80,7 @@ void LaneProgress<Width>::end_within_reach(const Scalars& alpha, const LaneStop&
     if (!active[lane] || !moved || outcome[lane].residual > stop.reach * bound(lane, stop)) continue;
     outcome[lane].iterations = iteration;
     outcome[lane].converged = true;
+    outcome[lane].smallest = smallest(lane);
     active[lane] = false;
   }
 }
@@ -81,6 +92,7 @@ void LaneProgress<Width>::take(const LaneProgress<Other>& other, std::span<const
   for (std::size_t i = 0; i < lanes.size(); ++i) {
     const int from = lanes[i];
     active[i] = true;
+    known_smallest[i] = other.known_smallest[from];
     start[i] = other.start[from];
     length[i] = other.length[from];
     decrease[i] = other.decrease[from];

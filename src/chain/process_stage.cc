@@ -101,6 +101,13 @@ StageCost with_flow(StageCost cost, const RunSize& size, int groups, int lanes) 
   return cost;
 }
 
+/// Solutions kept of forward solves, and of adjoint ones where they are few (StepSystems).
+double bytes_of_last_solutions(const RunSize& size) {
+  const auto kept = [](int sides) { return sides <= StepSystems<3>::most_kept ? sides : 0; };
+  if (!size.warm || size.flow_steps > 0) return 0.0;
+  return 4.0 * size.unknowns * size.layers * (kept(size.cases) + kept(1 + size.functionals));
+}
+
 StageCost cost_of_process(const RunSize& size, SolverPath path, int groups, int lanes) {
   const std::vector<double> equal(size.layers, 1.0);
   const StepDeal deal = deal_out_steps(equal, groups, widest_block, block_solver(path));
@@ -109,7 +116,7 @@ StageCost cost_of_process(const RunSize& size, SolverPath path, int groups, int 
   const double increments =
       size.unknowns * size.layers * 8.0 * (size.cases + 1.0 / static_cast<double>(size.dimension));
   const StageCost cost{
-      .held = increments,
+      .held = increments + bytes_of_last_solutions(size),
       .solving = bytes_of_systems(size, path, groups, lanes),
       .work = deal.longest,
       .work_of_other_groups = deal.total - deal.longest,

@@ -68,6 +68,7 @@ RunSize run_size(const ModelSettings& settings, const Part<Dim>& part, const Res
         layers * ThermalProperties(*settings.thermal, settings.material, settings.process).steps();
   if (settings.process.model == ProcessModel::elastoplastic)
     size.flow_steps = settings.thermal ? 2 * layers + 1 : layers;
+  size.warm = !settings.solver.tolerance;
   size.cases = static_cast<int>(strain_cases<Dim>(settings.material).cases.size());
   size.functionals = functional_count(settings, objective);
   return size;

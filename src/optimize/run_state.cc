@@ -41,6 +41,7 @@ Tolerances RunState<Dim>::tolerances() const {
     const SolveTolerance finest = result.primal;
     result = following_tolerances(continuation.move_limit(iteration), share_left_);
     if (continuation.near_the_end(iteration)) result.primal = finest;
+    result.primal.warm = result.adjoint.warm = true;
   }
   constexpr double usual = 0.1, at_the_end = 0.01, for_comparison = 0.001;
   result.primal.flow = result.adjoint.flow = continuation.near_the_end(iteration) ? at_the_end : usual;

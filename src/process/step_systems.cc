@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/process/step_systems.h"
 
+#include "process/last_solutions.h"
 #include "process/solve_count.h"
 
 #include <algorithm>
@@ -24,7 +25,11 @@ StepSystems<Dim>::StepSystems(const ElasticModel<Dim>& model, std::unique_ptr<El
       block_solver_(blocks),
       lanes_(lanes),
       elements_(model),
-      solver_(std::move(solver)) {}
+      solver_(std::move(solver)),
+      last_(std::make_unique<LastSolutions>()) {}
+
+template <int Dim>
+StepSystems<Dim>::~StepSystems() = default;
 
 template <int Dim>
 void StepSystems<Dim>::leave_out_unbuilt(bool built) {
@@ -50,8 +55,17 @@ std::vector<double> StepSystems<Dim>::work_of(const LayerDensities& densities) c
 
 template <int Dim>
 void StepSystems<Dim>::deal_out(const LayerDensities& densities, std::vector<BuildStep> steps) {
+  const bool kept = warm_ && warm_deal_ && steps.size() == warm_steps_;
   steps_ = std::move(steps);
+  if (kept) {
+    set_deal(*warm_deal_);
+    return;
+  }
   set_deal(deal_out_steps(work_of(densities), groups_.count(), lanes_, block_solver_, layers_of_steps()));
+  if (!warm_) return;
+  last_->forget();
+  warm_deal_ = deal_;
+  warm_steps_ = steps_.size();
 }
 
 template <int Dim>
@@ -122,14 +136,44 @@ void StepSystems<Dim>::solve_block(const LayerDensities& densities, std::size_t 
       resize(workspace.solutions[i], owned_nodes(), Dim, region.block.lanes);
       loads.set(block, first + i, workspace.loads[i]);
     }
-    const auto reports =
-        solver_->solve(std::span(workspace.loads).first(count), std::span(workspace.solutions).first(count));
+    const auto loads_now = std::span(workspace.loads).first(count);
+    const auto solutions = std::span(workspace.solutions).first(count);
+    const auto reports = warm_ && all <= most_kept ? solve_warm(region, purpose, first, loads_now, solutions)
+                                                   : solver_->solve(loads_now, solutions);
     for (std::size_t i = 0; i < count; ++i) {
       workspace.count.add(reports[i], region, purpose == SolvePurpose::adjoint ? "adjoint" : "forward");
       loads.take(block, first + i, workspace.solutions[i]);
     }
   }
   loads.end(block);
+}
+
+/// Solves for right-hand sides from number `first` on.
+template <int Dim>
+std::vector<std::vector<SolveReport>> StepSystems<Dim>::solve_warm(const BlockRegion& region,
+                                                                   SolvePurpose purpose, std::size_t first,
+                                                                   std::span<const LaneVector> loads,
+                                                                   std::span<LaneVector> solutions) {
+  const auto place = [&](std::size_t i) {
+    return LastSolutions::Place{purpose == SolvePurpose::adjoint, region.block, first + i};
+  };
+  for (std::size_t i = 0; i < solutions.size(); ++i) last_->recall(place(i), model_.nodes, solutions[i]);
+  auto reports = solver_->improve(loads, solutions);
+  for (std::size_t i = 0; i < solutions.size(); ++i) last_->keep(place(i), model_.nodes, solutions[i]);
+  return reports;
+}
+
+template <int Dim>
+void StepSystems<Dim>::release_memory() {
+  solver_->release_memory();
+  last_->forget();
+}
+
+template <int Dim>
+void StepSystems<Dim>::start_cold() {
+  solver_->start_cold();
+  last_->forget();
+  warm_deal_.reset();
 }
 
 template <int Dim>

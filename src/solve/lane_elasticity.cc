@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 namespace fabseq {
 
@@ -69,8 +70,9 @@ std::size_t LaneElasticity<Dim>::sets_at_once() const {
 }
 
 template <int Dim>
-std::vector<std::vector<SolveReport>> LaneElasticity<Dim>::solve(std::span<const LaneVector> loads,
-                                                                 std::span<LaneVector> displacements) {
+std::vector<std::vector<SolveReport>> LaneElasticity<Dim>::solve_from(FirstGuess guess,
+                                                                      std::span<const LaneVector> loads,
+                                                                      std::span<LaneVector> displacements) {
   static const LogEvent event("fabseq lane solve");
   const auto scope = event.enter();
   std::vector<std::vector<SolveReport>> reports(loads.size());
@@ -78,7 +80,7 @@ std::vector<std::vector<SolveReport>> LaneElasticity<Dim>::solve(std::span<const
   for (std::size_t first = 0; first < loads.size(); first += at_once) {
     const std::size_t count = std::min(at_once, loads.size() - first);
     solve_sets(loads.subspan(first, count), displacements.subspan(first, count),
-               std::span(reports).subspan(first, count));
+               std::span(reports).subspan(first, count), guess);
   }
   for (std::size_t set = 0; set < loads.size(); ++set)
     for (int lane = 0; lane < lanes_; ++lane)
@@ -90,18 +92,22 @@ std::vector<std::vector<SolveReport>> LaneElasticity<Dim>::solve(std::span<const
 /// Several sets fill lanes that the layers leave free.
 template <int Dim>
 void LaneElasticity<Dim>::solve_sets(std::span<const LaneVector> loads, std::span<LaneVector> displacements,
-                                     std::span<std::vector<SolveReport>> reports) {
+                                     std::span<std::vector<SolveReport>> reports, FirstGuess guess) {
   const auto count = static_cast<int>(loads.size());
   if (count == 1) {
-    reports[0] = solve_lanes(loads[0], displacements[0]);
+    reports[0] = solve_lanes(loads[0], displacements[0], guess);
     return;
   }
   widen(loads.size());
   LaneVector load(loads[0].nodes, loads[0].components, count * lanes_), displacement = load;
-  for (std::size_t i = 0; i < load.unknowns(); ++i)
-    for (int set = 0; set < count; ++set)
-      std::copy_n(&loads[set].values[i * lanes_], lanes_, &load.values[(i * count + set) * lanes_]);
-  const std::vector<SolveReport> all = solve_lanes(load, displacement);
+  const auto put_together = [&](std::span<const LaneVector> sets, LaneVector& all) {
+    for (std::size_t i = 0; i < all.unknowns(); ++i)
+      for (int set = 0; set < count; ++set)
+        std::copy_n(&sets[set].values[i * lanes_], lanes_, &all.values[(i * count + set) * lanes_]);
+  };
+  put_together(loads, load);
+  if (guess == FirstGuess::given) put_together(displacements, displacement);
+  const std::vector<SolveReport> all = solve_lanes(load, displacement, guess);
   for (std::size_t i = 0; i < load.unknowns(); ++i)
     for (int set = 0; set < count; ++set)
       std::copy_n(&displacement.values[(i * count + set) * lanes_], lanes_,
@@ -121,14 +127,30 @@ void LaneElasticity<Dim>::widen(std::size_t sets) {
   }
 }
 
+/// Solves for load_ in the mesh of a solver, `Width` lanes wide.
+template <int Dim>
+std::vector<LaneOutcome> LaneElasticity<Dim>::iterate(auto& solver, const LaneVector& displacement, int lanes,
+                                                      FirstGuess guess) {
+  if (guess == FirstGuess::zero) return solver.solve(load_, displacement_, lanes, stop_);
+  layout_.to_mesh(displacement, width_, displacement_);
+  typename std::remove_reference_t<decltype(solver)>::Scalars smallest;
+  smallest.fill(1.0);
+  for (int lane = 0; lane < lanes; ++lane)
+    if (const auto known = smallest_.find(first_layer_ + lane % lanes_); known != smallest_.end())
+      smallest[lane] = known->second;
+  return solver.improve(load_, displacement_, lanes, stop_, smallest);
+}
+
 /// Solves side by side; lane i is one of layer i % lanes_.
 template <int Dim>
-std::vector<SolveReport> LaneElasticity<Dim>::solve_lanes(const LaneVector& load, LaneVector& displacement) {
+std::vector<SolveReport> LaneElasticity<Dim>::solve_lanes(const LaneVector& load, LaneVector& displacement,
+                                                          FirstGuess guess) {
   std::vector<SolveReport> reports;
   with_narrowest(solver_, width_, [&]<int Width>(auto& solver) {
     layout_.to_mesh(load, Width, load_);
     if (saves_memory()) layout_.release_memory();
-    for (LaneOutcome outcome : solver.solve(load_, displacement_, load.lanes, stop_)) {
+    for (LaneOutcome outcome : iterate(solver, displacement, load.lanes, guess)) {
+      smallest_[first_layer_ + static_cast<int>(reports.size()) % lanes_] = outcome.smallest;
       if (not_finite_[reports.size() % lanes_] > 0.0) outcome.finite = false;
       reports.push_back(report_of(outcome));
     }

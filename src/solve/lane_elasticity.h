@@ -31,22 +31,37 @@ class LaneElasticity : public ElasticitySolver<Dim> {
 
   void set_operators(int first_layer, int lanes, std::span<const double> stiffness, bool changed) override;
   std::vector<std::vector<SolveReport>> solve(std::span<const LaneVector> loads,
-                                              std::span<LaneVector> displacements) override;
+                                              std::span<LaneVector> displacements) override {
+    return solve_from(FirstGuess::zero, loads, displacements);
+  }
+  std::vector<std::vector<SolveReport>> improve(std::span<const LaneVector> loads,
+                                                std::span<LaneVector> displacements) override {
+    return solve_from(FirstGuess::given, loads, displacements);
+  }
   void set_tolerance(const SolveTolerance& tolerance) override;
   /// The number for which there are lanes beside the layers of the block.
   std::size_t sets_at_once() const override;
-  /// The lanes begin every solve from zero, with operators of their own; what lasts is the fallback.
-  void start_cold() override { fallback_.reset(); }
+  /// The lanes have operators of their own in every block; what lasts is the fallback, and what solves from a
+  /// guess know of spectra.
+  void start_cold() override {
+    fallback_.reset();
+    smallest_.clear();
+  }
   void release_memory() override;
   bool saves_memory() const override { return most_lanes_ < widest_block; }
   std::string description() const override;
 
  private:
+  /// What a solve begins with: zero, or what the displacements hold.
+  enum class FirstGuess { zero, given };
+  std::vector<std::vector<SolveReport>> solve_from(FirstGuess guess, std::span<const LaneVector> loads,
+                                                   std::span<LaneVector> displacements);
   void set_up(auto& solver, bool changed);
   void solve_sets(std::span<const LaneVector> loads, std::span<LaneVector> displacements,
-                  std::span<std::vector<SolveReport>> reports);
+                  std::span<std::vector<SolveReport>> reports, FirstGuess guess);
   void widen(std::size_t sets);
-  std::vector<SolveReport> solve_lanes(const LaneVector& load, LaneVector& displacement);
+  std::vector<SolveReport> solve_lanes(const LaneVector& load, LaneVector& displacement, FirstGuess guess);
+  std::vector<LaneOutcome> iterate(auto& solver, const LaneVector& displacement, int lanes, FirstGuess guess);
   void solve_again(const LaneVector& load, LaneVector& displacement, int lane, SolveReport& report);
 
   const Grid<Dim>& grid_;
@@ -67,6 +82,7 @@ class LaneElasticity : public ElasticitySolver<Dim> {
   LaneArray load_, displacement_;
   /// Islands of the layers last set: adjoints have the operators of the solves before them.
   std::map<int, std::shared_ptr<const IslandMotions<Dim>>> islands_;
+  std::map<int, double> smallest_;                      ///< LaneOutcome::smallest of the layers last solved
   std::unique_ptr<ReferenceElasticity<Dim>> fallback_;  ///< made at first use
 };
 

@@ -25,6 +25,10 @@ class RegionElasticity : public ElasticitySolver<Dim> {
                                               std::span<LaneVector> displacements) override {
     return pool_.current().solve(loads, displacements);
   }
+  std::vector<std::vector<SolveReport>> improve(std::span<const LaneVector> loads,
+                                                std::span<LaneVector> displacements) override {
+    return pool_.current().improve(loads, displacements);
+  }
   std::size_t sets_at_once() const override { return pool_.current().sets_at_once(); }
   void set_tolerance(const SolveTolerance& tolerance) override { pool_.set_tolerance(tolerance); }
   void start_cold() override { pool_.start_cold(); }

@@ -83,7 +83,6 @@ class SameBytesTest(RestartTest):
 
     def test_tolerance_that_follows_the_design(self):
         """Whatever decides how closely the next iteration is solved is in the checkpoint."""
-        self.check(2, plate_2d(), "-tolerance", "auto", all_cuts=((2, 5),))
         tolerances = [line["tolerance"] for line in self.run_config(
             1, plate_2d(), "-tolerance", "auto", "-max_iterations", 10).history()]
         self.assertLessEqual(tolerances[0], 1e-3)
@@ -105,6 +104,18 @@ class SameBytesTest(RestartTest):
                 self.assert_done(expected)
                 half = self.half_run(2, plate_2d(), 3, *options)
                 run = self.run_config(2, plate_2d(), *options, "-restart", half.output, output=half.output)
+                self.assert_done(run)
+                self.assertEqual(history_text(run), history_text(expected))
+
+    def test_warm_solves_start_cold_after_a_checkpoint(self):
+        """They begin with the last design's solutions, but behind a checkpoint."""
+        for groups in distinct(1, 2):
+            with self.subTest(groups=groups):
+                options = ("-max_iterations", 6, "-layers", 10, "-layer_groups", groups, "-tolerance", "auto")
+                expected = self.run_config(2, hook_3d(), *options, "-checkpoint_every", 3)
+                self.assert_done(expected)
+                half = self.half_run(2, hook_3d(), 3, *options)
+                run = self.run_config(2, hook_3d(), *options, "-restart", half.output, output=half.output)
                 self.assert_done(run)
                 self.assertEqual(history_text(run), history_text(expected))
 

@@ -2,6 +2,7 @@
 /// The layer-by-layer simulation against dense matrices and exact solutions, its adjoint against differences
 /// (docs/formulation.md 4.1, docs/developer/derivatives.md 8.2).
 #include "fabseq/process/elastic_process.h"
+#include "fabseq/solve/solvers.h"
 #include "support/process_case.h"
 #include "support/table_strain.h"
 
@@ -118,6 +119,38 @@ TYPED_TEST(ElasticProcessTest, NormalStrainOfPlanarLayersAddsUpExactly) {
           }
         });
       }
+}
+
+/// Warm solves of systems that have hardly changed take few steps, and lead to the same displacements.
+TYPED_TEST(ElasticProcessTest, BeginsWithTheLastSolutions) {
+  constexpr int Dim = TypeParam::value;
+  test::ProcessCase<Dim> process(test::CaseSettings<Dim>{});
+  const ElasticModel<Dim>& model = process.model;
+  SolveTolerance tolerance{1e-3};
+  ElasticProcess<Dim> lanes(
+      model,
+      make_elasticity_solver(SolverSettings{}, process.grid(), model.domain, model.element,
+                             model.material.poisson, tolerance.value, widest_block),
+      process.groups, BlockSolver::lanes);
+  const auto steps = [&](const LayerDensities& layers) {
+    int result = 0;
+    for (const int iterations : lanes.simulate(layers, process.strain).iterations) result += iterations;
+    return result;
+  };
+  const LayerDensities first = process.densities(process.wavy_time(), 10, 25.0);
+  const LayerDensities next = process.densities(process.wavy_time(), 10, 25.001);
+  const int cold = steps(next);
+  tolerance.warm = true;
+  lanes.set_tolerance(tolerance);
+  EXPECT_NEAR(steps(next), cold, 0.2 * cold);  // what is known of the spectrum may take a step more
+  steps(first);
+  EXPECT_LT(2 * steps(next), cold);
+  const auto expected = process.whole(process.simulate(next).displacement);
+  EXPECT_LT(
+      test::relative_difference(process.whole(lanes.simulate(next, process.strain).displacement), expected),
+      1e-2);
+  lanes.start_cold();
+  EXPECT_NEAR(steps(next), cold, 0.2 * cold);
 }
 
 TYPED_TEST(ElasticProcessTest, AnEmptyLayerAddsNothing) {

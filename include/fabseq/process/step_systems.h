@@ -12,12 +12,15 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace fabseq {
+
+class LastSolutions;
 
 /// Right-hand sides of the systems of a process, block by block, and where their solutions go. Vectors are on
 /// all owned nodes, with a lane per step of the block. Calls are collective on the grid's communicator.
@@ -50,15 +53,20 @@ using ScaleStiffness = std::function<void(const BlockRegion& block, std::span<do
 template <int Dim>
 class StepSystems {
  public:
+  /// Right-hand sides of a block whose solutions warm solves keep, at most; where there are more, none are.
+  static constexpr int most_kept = 2;
+
   /// `lanes`: steps solved side by side at most. `blocks`: how the solver goes through a block of them. Model
   /// and groups must outlive the object.
   StepSystems(const ElasticModel<Dim>& model, std::unique_ptr<ElasticitySolver<Dim>> solver,
               const LayerGroups& groups, BlockSolver blocks, int lanes);
+  ~StepSystems();
 
   /// Whether systems that are dealt out later take only what is built into account (BuiltRegion). The solver
   /// must leave out elements without stiffness then.
   void leave_out_unbuilt(bool built);
   /// Deals the steps out to the groups. The elements that count in a block are found when it is solved first.
+  /// Warm solves of as many steps keep their first deal: a group has its own last solutions only.
   void deal_out(const LayerDensities& densities, std::vector<BuildStep> steps);
   /// The same by deal_out_in_turn().
   void deal_out_in_turn(std::vector<BuildStep> steps);
@@ -97,11 +105,14 @@ class StepSystems {
     if (solver_->saves_memory()) solver_->release_memory();
   }
   /// Later systems are solved to this tolerance.
-  void set_tolerance(const SolveTolerance& tolerance) { solver_->set_tolerance(tolerance); }
-  /// Forgets what earlier solves have left in the solver for later ones (ElasticitySolver::start_cold()).
-  void start_cold() { solver_->start_cold(); }
-  /// Gives back the memory of the solver. Not collective.
-  void release_memory() { solver_->release_memory(); }
+  void set_tolerance(const SolveTolerance& tolerance) {
+    solver_->set_tolerance(tolerance);
+    warm_ = tolerance.warm;
+  }
+  /// Forgets what earlier solves have left for later ones (ElasticitySolver::start_cold()).
+  void start_cold();
+  /// Gives back the memory of the solver and of what is kept. Not collective.
+  void release_memory();
   /// The next steps are dealt out by these iterations, sums over all sides of each step: first those of the
   /// last forward solves, then those of the last adjoint ones. At first, and after a change of the number of
   /// steps, all steps count alike. Local.
@@ -118,6 +129,9 @@ class StepSystems {
   struct Workspace;
   void solve_block(const LayerDensities& densities, std::size_t block, SolvePurpose purpose, StepLoads& loads,
                    Workspace& workspace);
+  std::vector<std::vector<SolveReport>> solve_warm(const BlockRegion& region, SolvePurpose purpose,
+                                                   std::size_t first, std::span<const LaneVector> loads,
+                                                   std::span<LaneVector> solutions);
   std::vector<double> work_of(const LayerDensities& densities) const;
   void set_deal(StepDeal deal);
   std::vector<int> layers_of_steps() const;
@@ -133,6 +147,10 @@ class StepSystems {
   StepDeal deal_;
   std::vector<BlockRegion> blocks_;
   std::vector<double> expected_work_;  ///< [forward, adjoint][step]
+  bool warm_ = false;
+  std::optional<StepDeal> warm_deal_;  ///< of warm solves, and how many steps it has
+  std::size_t warm_steps_ = 0;
+  std::unique_ptr<LastSolutions> last_;
 };
 
 }  // namespace fabseq

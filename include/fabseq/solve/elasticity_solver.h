@@ -29,6 +29,11 @@ class ElasticitySolver {
   /// converge.
   virtual std::vector<std::vector<SolveReport>> solve(std::span<const LaneVector> loads,
                                                       std::span<LaneVector> displacements) = 0;
+  /// The same from first guesses, which `displacements` hold; 0 in a lane: none. A solver may do without.
+  virtual std::vector<std::vector<SolveReport>> improve(std::span<const LaneVector> loads,
+                                                        std::span<LaneVector> displacements) {
+    return solve(loads, displacements);
+  }
 
   /// The number of sets of loads of the current block that a call makes the most of: further ones would only
   /// wait and take memory. The same on all ranks.

@@ -13,6 +13,8 @@ struct SolveTolerance {
   /// Change of the displacements, relative to them, with which the sweeps of plastic flow end; 0: a tenth of
   /// the value.
   double flow = 0.0;
+  /// Whether elastic solves begin with the last solutions of their kind, and leave theirs for the next.
+  bool warm = false;
 
   /// Not below what rounding leaves.
   double flow_change() const { return flow > 0.0 ? flow : std::max(0.1 * value, 1e-11); }
@@ -25,7 +27,7 @@ constexpr double smallest_tolerance = 1e-13;
 /// equation itself is solved a thousand times closer: its error enters all others. The steps of the part's
 /// temperature and their adjoints are solved ten times closer: many follow each other.
 constexpr SolveTolerance elasticity_tolerance(const SolveTolerance& of_run) {
-  return {std::max(of_run.value, smallest_tolerance), of_run.reach, of_run.flow};
+  return {std::max(of_run.value, smallest_tolerance), of_run.reach, of_run.flow, of_run.warm};
 }
 constexpr SolveTolerance sequence_tolerance(const SolveTolerance& of_run) {
   return {std::max(1e-3 * of_run.value, smallest_tolerance), of_run.reach};
