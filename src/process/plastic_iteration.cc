@@ -19,7 +19,8 @@ constexpr int most_sweeps = 300;  ///< over a wave
 constexpr SolveTolerance one_step{0.5, 4.0};
 /// The same of the release, which has no reach.
 constexpr double of_release = 0.3;
-/// Sweeps after which solves are this close: one step hardly sees a piece that hangs in what is not built yet.
+/// Sweeps after which solves are this close: one step hardly sees a piece that hangs in what is not built
+/// yet.
 constexpr int patience = 30;
 constexpr double closer = 0.01;
 

@@ -49,7 +49,7 @@ def pace_of(part, given, millimetres, section):
 
 def travel_speed(config):
     """That of the config's machine, in mm/s, or the usual one."""
-    speed, millimetres = config.get("tool", {}).get("travel_speed"), millimetres_of(config["domain"].get("unit"))
+    speed, millimetres = config.get("tool", {}).get("travel_speed"), millimetres_of(config.get("domain", {}).get("unit"))
     return speed * millimetres if isinstance(speed, (int, float)) and millimetres else USUAL_SPEED
 
 

@@ -13,8 +13,9 @@ of several sizes. What is chosen stands in the config, each with the reason as a
 
 - The machine: --machine is a machine file, or the name of one of configs/machines. Bead, torch, tilt, range
   of thickness and plate follow from it, unless an option here says otherwise.
-- The layers' thickness: --thickness. With --bead-height or a machine a simulated layer stands for as many beads
-  (layers.passes) as a run of about 30 minutes on one rank needs, or of --minutes. Without any: four elements.
+- The layers' thickness: --thickness. With --bead-height or a machine a simulated layer stands for as many
+  beads (layers.passes) as a run of about 30 minutes on one rank needs, or of --minutes. Without any: four
+  elements.
 - The element: a quarter of a layer, 2.5 in a layer of beads, and no more than a third of the thinnest wall.
   --elements bounds how many the part has (default: 50,000), --memory what a run takes on one rank. Where the
   bound does not leave three elements across a wall, or where the part runs out to an edge,
