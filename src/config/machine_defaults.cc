@@ -128,10 +128,11 @@ class MachineDefaults {
     Json* constraints = find_member(document_, "constraints");
     if (constraints == nullptr || !constraints->is_array()) return;
     for (Json& constraint : *constraints) {
-      const Json* type = find_member(constraint, "type");
-      if (type == nullptr) continue;
-      if (*type == "layer_thickness" && !constraint.contains("target")) constraint["target"] = target;
-      if (*type == "interpass_temperature" && !constraint.contains("limit") && machine_.interpass_limit)
+      const Json* found = find_member(constraint, "type");
+      if (found == nullptr) continue;
+      const Json type = *found;  // a new key moves those that are there
+      if (type == "layer_thickness" && !constraint.contains("target")) constraint["target"] = target;
+      if (type == "interpass_temperature" && !constraint.contains("limit") && machine_.interpass_limit)
         constraint["limit"] = *machine_.interpass_limit;
     }
   }
