@@ -70,8 +70,14 @@ class PostedRunTest(unittest.TestCase):
         self.assertEqual(pace.pauses, {1: 20.0, 2: None, 3: 24.0, 4: 0.0, 5: 8.0, 6: 0.0})
         self.assertEqual(pace.known_pauses()[2], 24.0)
         self.assertAlmostEqual(pace_of(part, 7.0, 25.4, 10.0).speed, 7.0 / 25.4)
-        part.judged.block = {}
+        part.config = {"thermal": {"interpass_limit": 150.0}}
+        part.judged.block = {"interpass": {"pauses": [10.0, 4.0]}, "real_layers": {"passes": 3}}
+        self.assertEqual(list(pace_of(part, None, 1.0, 10.0).pauses.values()), [10.0] * 3 + [4.0] * 3)
+        part.config, part.judged.block = CONFIG, {}
         self.assertEqual(pace_of(part, None, 1.0, 10.0).pauses[2], 10.0)
+        for passes, pause in ({"thermal": {"passes": "layers"}}, 5.0), ({"layers": {"passes": 3}}, 15.0):
+            part.config = {"process": {"dwell": 5.0}, **passes}
+            self.assertEqual(pace_of(part, None, 1.0, 10.0).pauses[2], pause)
         part.config = {"process": {"deposition_rate": "none"}}
         pace = pace_of(part, None, 1.0, 10.0)
         self.assertEqual((pace.speed, pace.pauses[2], pace.pauses_from), (10.0, 0.0, "none"))

@@ -6,6 +6,7 @@ import dataclasses
 import numpy as np
 
 from fabseq_tools.geometry.placement import millimetres_of
+from fabseq_tools.run.read_run import pauses_in_layer
 
 USUAL_SPEED = 10.0  # mm/s, of a config without deposition rate and travel speed
 LEAST_FEED = 0.2  # below it the torch goes no faster
@@ -55,14 +56,16 @@ def travel_speed(config):
 
 def pauses_of(part):
     """Seconds after each layer, by number, and in words where they come from: those that keep the interpass
-    temperature where the run has them, or else process.dwell, for each of the thermal.passes that a layer
-    stands for. None where no pause is long enough."""
-    passes = part.config.get("thermal", {}).get("passes", 1)
+    temperature where the run has them, or else process.dwell, for each real layer that a layer stands for.
+    None where no pause is long enough. Real layers have the pause of the simulated one that they are cut
+    from."""
     found = part.judged.block.get("interpass", {}).get("pauses")
     if found:
-        pauses = {number: found[number - 1] for number in part.layers if number <= len(found)}
+        cut = part.judged.block.get("real_layers", {}).get("passes", 1)
+        pauses = {number: found[min((number - 1) // cut, len(found) - 1)] for number in part.layers}
         words = f"interpass limit {part.config['thermal']['interpass_limit']:g} degrees C"
     else:
         dwell = part.config.get("process", {}).get("dwell", 0.0)
         pauses, words = {number: dwell for number in part.layers}, "process.dwell" if dwell else "none"
-    return {number: None if pause is None else passes * pause for number, pause in pauses.items()}, words
+    times = pauses_in_layer(part.config)
+    return {number: None if pause is None else times * pause for number, pause in pauses.items()}, words

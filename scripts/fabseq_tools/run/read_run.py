@@ -97,6 +97,13 @@ def passes_of(config):
     return config.get("layers", {}).get("passes", 1)
 
 
+def pauses_in_layer(config):
+    """Real layers with a pause each that a simulated layer stands for: thermal.passes, which may follow
+    layers.passes."""
+    given = config.get("thermal", {}).get("passes", "layers")
+    return passes_of(config) if given == "layers" else given
+
+
 def passes_entry(config):
     """The same as a part of a section `layers`, empty where each layer is real."""
     return {"passes": passes_of(config)} if passes_of(config) > 1 else {}
