@@ -5,15 +5,14 @@ import ast
 import dataclasses
 import difflib
 import importlib
-import re
 import sys
 from pathlib import Path
 
 from fabseq_tools import find_python
 from fabseq_tools.run.command_line import run_script
 from fabseq_tools.run.places import NAME
+from fabseq_tools.run.registered import registered
 
-REGISTERED = re.compile(r'^COMMAND = "([a-z-]+)"$', re.MULTILINE)
 USAGE = f"usage: {NAME} COMMAND [WORD]..."
 HEAD = f"""{USAGE}
        {NAME} COMMAND --help
@@ -30,15 +29,13 @@ class Command:
 
 
 def find_commands(package=Path(__file__).parent):
-    """All commands by name. Their modules are read, not imported: this needs none of their packages."""
-    found = {}
-    for path in sorted(package.rglob("*.py")):
-        text = path.read_text(encoding="utf-8")
-        name = REGISTERED.search(text)
-        if name:
-            module = ".".join([package.name, *path.relative_to(package).with_suffix("").parts])
-            found[name[1]] = Command(module, ast.get_docstring(ast.parse(text)).splitlines()[0])
-    return dict(sorted(found.items()))
+    """All commands by name."""
+    return {name: Command(".".join([package.name, *path.relative_to(package).with_suffix("").parts]), summary_of(path))
+            for name, path in registered(package, "COMMAND").items()}
+
+
+def summary_of(path):
+    return ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))).splitlines()[0]
 
 
 def listing(commands):

@@ -91,8 +91,9 @@ StageCost with_flow(StageCost cost, const RunSize& size, int groups, int lanes) 
                functionals = 1.0 + size.functionals;
   const bool heated = size.temperature_steps > 0.0;
   cost.held *= steps / size.layers;
-  cost.held += size.unknowns * steps * 8.0 * (1.0 + std::min(functionals, 2.0)) +
-               elements * (state_bytes * (steps / widest_block + 2.0) + dual_bytes * functionals);
+  cost.held +=
+      size.unknowns * steps * 8.0 * (1.0 + std::min<double>(functionals, StepSystems<3>::most_kept)) +
+      elements * (state_bytes * (steps / widest_block + 2.0) + dual_bytes * functionals);
   cost.solving += size.unknowns * sweep_bytes * lanes * groups;
   cost.seconds = size.unknowns * steps *
                  ((heated ? heated_seconds : flow_seconds) +

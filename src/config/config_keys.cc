@@ -127,8 +127,7 @@ Section<Config> all_keys() {
   keys.key("name", &Its::name, "Name of the case and of output/NAME", {.option = "-name"})
       .key("machine",
            "JSON file with the entries of a machine, beside the config or one of configs/machines; keys of "
-           "the config "
-           "replace what follows from them",
+           "the config replace what follows from them",
            {.type = KeyType::path, .option = "-machine"}, [](Its&, const Json&, const KeyPlace&) {})
       .section("domain", base_of<DomainSettings>, "Box and grid", domain_keys(), required);
   add_part(keys);

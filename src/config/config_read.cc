@@ -118,21 +118,34 @@ void apply_override(Json& document, const std::string& path, const std::string& 
   *place = value_of(text);
 }
 
+namespace {
+
+void apply_overrides(Json& document, const CommandLine& command_line) {
+  for (const auto& [path, value] : command_line.overrides) apply_override(document, path, value);
+}
+
+/// The document of the config file with what the command line says otherwise, and its directory. Collective.
+std::pair<Json, std::string> read_overridden(MPI_Comm comm, const CommandLine& command_line) {
+  auto result = read_document(comm, command_line.config_file);
+  apply_overrides(result.first, command_line);
+  return result;
+}
+
+}  // namespace
+
 Config read_config(MPI_Comm comm, const CommandLine& command_line) {
   auto [document, directory] = read_document(comm, command_line.config_file);
   return read_config(comm, std::move(document), directory, command_line);
 }
 
 Json config_with_machine(MPI_Comm comm, const CommandLine& command_line) {
-  auto [document, directory] = read_document(comm, command_line.config_file);
-  for (const auto& [path, value] : command_line.overrides) apply_override(document, path, value);
+  auto [document, directory] = read_overridden(comm, command_line);
   merge_machine_file(comm, document, directory);
   return document;
 }
 
 NamedSurface read_surface(MPI_Comm comm, const CommandLine& command_line) {
-  auto [document, directory] = read_document(comm, command_line.config_file);
-  for (const auto& [path, value] : command_line.overrides) apply_override(document, path, value);
+  auto [document, directory] = read_overridden(comm, command_line);
   const Json* name = find_member(document, "name");
   return {name != nullptr && name->is_string() ? name->get<std::string>() : Config().name,
           surface_of_config(comm, document, directory)};
@@ -140,7 +153,7 @@ NamedSurface read_surface(MPI_Comm comm, const CommandLine& command_line) {
 
 Config read_config(MPI_Comm comm, Json document, const std::string& directory,
                    const CommandLine& command_line) {
-  for (const auto& [path, value] : command_line.overrides) apply_override(document, path, value);
+  apply_overrides(document, command_line);
   std::error_code error;
   std::string sequence_file;
   if (command_line.sequence_file) {

@@ -57,8 +57,7 @@ Section<MachineEntries> machine_entries() {
            read_axes)
       .key("tilt", &Its::tilt,
            "Largest angle between build direction and plate's normal: of the torch if it tilts or the table "
-           "does, else of "
-           "layers below a torch that stands on the plate",
+           "does, else of layers below a torch that stands on the plate",
            {.required = true, .range = "(0, 180]", .unit = "degrees"})
       .key("torch", "Radii of the torch over heights above its tip, as tool.profile",
            {.type = KeyType::profile, .unit = "mm"}, read_torch)

@@ -12,10 +12,6 @@ namespace fabseq {
 
 namespace {
 
-/// Functionals whose adjoints are kept to begin the next ones: each takes as much memory as the
-/// displacements.
-constexpr std::size_t most_kept = 2;
-
 /// A state on all owned elements.
 LockedIn spread_out(const ElasticModel<3>& model, const PlasticState& state) {
   const auto owned = static_cast<std::size_t>(model.part.grid().owned_elements().count());
@@ -78,7 +74,7 @@ void PlasticProcess::pull_back(const LayerDensities& densities, std::span<const 
 /// Makes room for the adjoints of so many functionals, zero unless there were as many of the same steps.
 void PlasticProcess::keep_adjoints(std::size_t functionals) {
   const auto fits = [this](const std::vector<LaneVector>& waves) { return forward_->fits(waves); };
-  if (functionals > most_kept)
+  if (functionals > StepSystems<3>::most_kept)
     adjoints_.clear();
   else if (adjoints_.size() != functionals || !std::ranges::all_of(adjoints_, fits))
     adjoints_.assign(functionals, forward_->zero_unknowns());

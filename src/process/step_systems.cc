@@ -55,17 +55,15 @@ std::vector<double> StepSystems<Dim>::work_of(const LayerDensities& densities) c
 
 template <int Dim>
 void StepSystems<Dim>::deal_out(const LayerDensities& densities, std::vector<BuildStep> steps) {
-  const bool kept = warm_ && warm_deal_ && steps.size() == warm_steps_;
   steps_ = std::move(steps);
-  if (kept) {
-    set_deal(*warm_deal_);
+  if (warm_ && warm_deal_ && warm_deal_->first == steps_.size()) {
+    set_deal(warm_deal_->second);
     return;
   }
   set_deal(deal_out_steps(work_of(densities), groups_.count(), lanes_, block_solver_, layers_of_steps()));
   if (!warm_) return;
   last_->forget();
-  warm_deal_ = deal_;
-  warm_steps_ = steps_.size();
+  warm_deal_ = {steps_.size(), deal_};
 }
 
 template <int Dim>

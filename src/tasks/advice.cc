@@ -4,6 +4,7 @@
 #include "fabseq/base/formatted.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/report/late_sets.h"
+#include "fabseq/sequence/geodesic_distance.h"
 
 #include <algorithm>
 #include <cmath>
@@ -105,6 +106,12 @@ double elements_per_layer(const Setup<Dim>& setup, double geodesic_height) {
 }
 
 template <int Dim>
+double elements_per_bead(const Setup<Dim>& setup) {
+  const double height = geodesic_height(setup.part, geodesic_distance(setup.part));
+  return elements_per_layer(setup, height) / setup.config.layers.passes;
+}
+
+template <int Dim>
 std::vector<std::string> advice(const Setup<Dim>& setup, std::span<const double> distance,
                                 double geodesic_height) {
   std::vector<std::string> result;
@@ -120,6 +127,7 @@ std::vector<std::string> advice(const Setup<Dim>& setup, std::span<const double>
 }
 
 FABSEQ_INSTANTIATE_FUNCTION(elements_per_layer);
+FABSEQ_INSTANTIATE_FUNCTION(elements_per_bead);
 FABSEQ_INSTANTIATE_FUNCTION(advice);
 
 }  // namespace fabseq

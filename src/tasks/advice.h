@@ -22,4 +22,8 @@ std::vector<std::string> advice(const Setup<Dim>& setup, std::span<const double>
 template <int Dim>
 double elements_per_layer(const Setup<Dim>& setup, double geodesic_height);
 
+/// The same of a real layer, each of those that a layer stands for. Collective on the grid's communicator.
+template <int Dim>
+double elements_per_bead(const Setup<Dim>& setup);
+
 }  // namespace fabseq

@@ -35,7 +35,7 @@ SequenceReport simulated(const Setup<Dim>& setup, const Problem<Dim>& problem, P
   pipeline.set_tolerances(Tolerances::all(setup.config.solver.tolerance_of_reports()));
   const auto state = pipeline.run({}, 0.0, true);
   SequenceReport report = report_sequence(setup, problem, pipeline, state);
-  if (beads) beads->judge(beads->cut(*state.time, state.densities->count()), report);
+  if (beads) beads->judge(*state.time, state.densities->count(), report);
   return report;
 }
 

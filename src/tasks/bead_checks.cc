@@ -5,14 +5,13 @@
 #include "fabseq/base/session.h"
 #include "fabseq/layers/curved_layers.h"
 #include "fabseq/responses/response_type.h"
-#include "fabseq/sequence/geodesic_distance.h"
 #include "tasks/advice.h"
+#include "tasks/config_changes.h"
 #include "tasks/refined_time.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
-#include <variant>
 #include <vector>
 
 namespace fabseq {
@@ -27,25 +26,15 @@ constexpr double most_elements = 4e6;
 /// The config in real layers, on a grid so many times as fine.
 template <int Dim>
 Config in_real_layers(const Setup<Dim>& setup, int factor) {
-  Config config = setup.resolved();
-  LayerSettings& layers = config.layers;
-  const int passes = std::exchange(layers.passes, 1);
-  if (layers.target) layers.given_target = layers.target->bead;
-  if (layers.count) *layers.count *= passes;
-  if (config.thermal) config.thermal->given_passes.reset();
-  config.baseline.layers = passes * setup.baseline->count();
+  Config config = config_to_change(setup);
+  if (config.layers.target) config.layers.given_target = config.layers.target->bead;
+  cut_into_real_layers(config);
+  refine(config, factor);
   config.baseline.best_direction = config.baseline.even = false;
-  config.solver.layer_groups = setup.groups.count();
-  config.projection = {};  // its relations to the number of layers shall refuse nothing
   config.projection.binary = true;
-  config.constraints.clear();
   // A sequence from a file, as which its results go on, has no gradient for responses.
   std::erase_if(config.objective, [](const Term& term) { return term.type->needs_time_gradient; });
-  for (int& elements : config.elements) elements *= factor;
-  // Stairs may leave crumbs that the coarse grid does not have.
-  config.part.keep_connected = true;
   config.part.announce = false;
-  if (auto* voxels = std::get_if<VoxelFile>(&config.part.source)) voxels->repeat *= factor;
   complete_derived(config);
   return config;
 }
@@ -66,8 +55,7 @@ int halvings(const Setup<Dim>& setup, double per_bead) {
 
 template <int Dim>
 BeadChecks<Dim>::BeadChecks(const Setup<Dim>& setup) : simulated_(setup) {
-  const double height = geodesic_height(setup.part, geodesic_distance(setup.part));
-  const double per_bead = elements_per_layer(setup, height) / setup.config.layers.passes;
+  const double per_bead = elements_per_bead(setup);
   const int wanted = halvings(setup, per_bead);
   is_finer_ = wanted > 0;
   for (int level = is_finer_ ? 1 : 0; level <= wanted; ++level) {
@@ -135,13 +123,29 @@ RealSequence<Dim> BeadChecks<Dim>::cut(const PseudoTime<Dim>& time, std::span<co
 }
 
 template <int Dim>
-RealSequence<Dim> BeadChecks<Dim>::cut(const PseudoTime<Dim>& time, int layers) const {
-  const std::vector<double> points = uniform_time_points(layers * simulated_.config.layers.passes);
-  return checked(time, CurvedLayers(finest().part.part_density(), points, 1.0, true), points, finest());
+RealSequence<Dim> BeadChecks<Dim>::judge(const PseudoTime<Dim>& time, std::span<const double> variables,
+                                         SequenceReport& report) const {
+  RealSequence<Dim> real = cut(time, variables, finest());
+  replace(real, report);
+  return real;
 }
 
 template <int Dim>
-void BeadChecks<Dim>::judge(const RealSequence<Dim>& real, SequenceReport& report) const {
+void BeadChecks<Dim>::judge(const PseudoTime<Dim>& time, int layers, SequenceReport& report) const {
+  const std::vector<double> points = uniform_time_points(layers * simulated_.config.layers.passes);
+  const CurvedLayers curved(finest().part.part_density(), points, 1.0, true);
+  replace(checked(time, curved, points, finest()), report);
+}
+
+template <int Dim>
+RealSequence<Dim> BeadChecks<Dim>::on_grid_for_bodies(RealSequence<Dim> judged, const PseudoTime<Dim>& time,
+                                                      std::span<const double> variables) const {
+  return &for_bodies() == &finest() ? std::move(judged) : cut(time, variables, for_bodies());
+}
+
+/// Puts what has been found of real layers in place of what a report has.
+template <int Dim>
+void BeadChecks<Dim>::replace(const RealSequence<Dim>& real, SequenceReport& report) const {
   const Index<Dim>& elements = finest().grid.domain().elements;
   report.real_layers = {simulated_.config.layers.passes,
                         real.count,

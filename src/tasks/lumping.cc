@@ -4,7 +4,6 @@
 #include "fabseq/base/error.h"
 #include "fabseq/base/session.h"
 #include "fabseq/base/stop.h"
-#include "fabseq/sequence/geodesic_distance.h"
 #include "tasks/advice.h"
 
 #include <array>
@@ -25,8 +24,7 @@ DistortionLengths lengths_of(const VariedNumbers& numbers) {
 
 template <int Dim>
 Lumping simulated_lumping(const Setup<Dim>& setup, const GivenDesign<Dim>& given, PhaseTimer& timer) {
-  const double height = geodesic_height(setup.part, geodesic_distance(setup.part));
-  const double per_bead = elements_per_layer(setup, height) / setup.config.layers.passes;
+  const double per_bead = elements_per_bead(setup);
   const std::array<Variation, 2> variations = variations_of_passes(setup, per_bead);
   const int finer = variations[0].finer ? 2 : 1;
   Lumping result;

@@ -33,7 +33,7 @@ std::optional<SequenceReport> start_report(const Setup<Dim>& setup, const Proble
   try {
     const auto state = pipeline.run(start, beta, true);
     SequenceReport report = report_sequence(setup, problem, pipeline, state);
-    if (beads) beads->judge(beads->cut(*state.time, start.layer_variables, beads->finest()), report);
+    if (beads) beads->judge(*state.time, start.layer_variables, report);
     return report;
   } catch (const NumericalError& error) {
     warn(std::string("no block start in summary.json: ") + error.what());
@@ -79,8 +79,8 @@ FinalReports final_reports(const Setup<Dim>& setup, const Problem<Dim>& problem,
   GivenDesign<Dim> given;
   if (beads) {
     given = {*last.last_time(), best.design().layer_variables, best.beta()};
-    beads->judge(beads->cut(given.time, given.layer_variables, beads->finest()), reports.binary);
-    real = beads->cut(given.time, given.layer_variables, beads->for_bodies());
+    RealSequence<Dim> judged = beads->judge(given.time, given.layer_variables, reports.binary);
+    real = beads->on_grid_for_bodies(std::move(judged), given.time, given.layer_variables);
   }
   drop_unwritten_fields(reports.binary);
   // Reports take memory. Planar layers, which need a pipeline of their own, come while there are few, and not

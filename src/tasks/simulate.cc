@@ -196,8 +196,8 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   simulation.design = repaired ? repaired->design : design;
   if (const auto beads = make_bead_checks(setup)) {
     const PseudoTime<Dim>& time = *last.last_time();
-    beads->judge(beads->cut(time, design.layer_variables, beads->finest()), simulation.report);
-    const RealSequence<Dim> real = beads->cut(time, design.layer_variables, beads->for_bodies());
+    RealSequence<Dim> judged = beads->judge(time, design.layer_variables, simulation.report);
+    const RealSequence<Dim> real = beads->on_grid_for_bodies(std::move(judged), time, design.layer_variables);
     write_real_layers(*beads, real, simulation.report, directory);
   }
   if (repaired) simulation.repair = std::move(repaired->repair);

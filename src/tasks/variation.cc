@@ -7,6 +7,7 @@
 #include "fabseq/report/sequence_report.h"
 #include "fabseq/responses/response_type.h"
 #include "fabseq/sequence/given_sequence.h"
+#include "tasks/config_changes.h"
 #include "tasks/refined_time.h"
 
 #include <cmath>
@@ -77,15 +78,10 @@ Varied simulate(const Model<Dim>& model, const Problem<Dim>& problem, Pipeline<D
   return result;
 }
 
-/// The config of a change. What "auto" stands for is fixed, so that a change of one thing changes nothing
-/// else, and there are no constraints.
+/// The config of a change.
 template <int Dim>
 Config varied(const Setup<Dim>& unchanged, const Variation& variation) {
-  Config config = unchanged.resolved();
-  config.solver.layer_groups = unchanged.groups.count();
-  // Sharpness is no matter of the config here; its relations to the number of layers shall refuse nothing.
-  config.projection = {};
-  config.constraints.clear();
+  Config config = config_to_change(unchanged);
   config.part.announce = variation.finer;  // else as of the unchanged part
   variation.change(config);
   // Where something counts in what is not built yet, the solves are whole.

@@ -4,6 +4,7 @@
 #include "fabseq/base/memory.h"
 #include "fabseq/sequence/geodesic_distance.h"
 #include "tasks/advice.h"
+#include "tasks/config_changes.h"
 #include "tasks/variation.h"
 
 #include <algorithm>
@@ -67,13 +68,7 @@ void add_thicknesses(List& list, double thickness, int baseline_layers) {
   add("layers half as thick: %.4g", 0.5);
 }
 
-void refine(Config& config) {
-  for (int& elements : config.elements) elements *= 2;
-  // Stairs may leave crumbs that the coarse grid does not have.
-  config.part.keep_connected = true;
-  // Voxels of a file become 2^Dim elements.
-  if (auto* voxels = std::get_if<VoxelFile>(&config.part.source)) voxels->repeat = 2;
-}
+void refine_once(Config& config) { refine(config, 2); }
 
 void set_layers(Config& config, int layers, int baseline_layers) {
   config.layers.count = layers;
@@ -91,7 +86,7 @@ void add_layers(List& list, int layers, int baseline_layers, double elements_per
     list.add(formatted("%s: %d%s", name, factor * layers, finer ? ", grid twice as fine" : ""),
              [=](Config& its) {
                set_layers(its, factor * layers, factor * baseline_layers);
-               if (finer) refine(its);
+               if (finer) refine_once(its);
              })
         .layers_times = factor;
     list.variations.back().finer = finer;
@@ -117,7 +112,7 @@ std::vector<Variation> all_variations(const Setup<Dim>& setup) {
     add_layers(list, setup.layers->count(), setup.baseline->count(),
                elements_per_layer(setup, geodesic_height(setup.part, geodesic_distance(setup.part))));
   list.add("layers smooth, as optimized", [](Config&) {}).smooth = true;
-  list.add("grid twice as fine", refine).finer = true;
+  list.add("grid twice as fine", refine_once).finer = true;
   const bool absent = config.process.void_model == VoidModel::absent;
   list.add(std::string("void ") + (absent ? "quiet" : "absent"),
            [absent](Config& its) { its.process.void_model = absent ? VoidModel::quiet : VoidModel::absent; });
@@ -126,24 +121,19 @@ std::vector<Variation> all_variations(const Setup<Dim>& setup) {
 
 template <int Dim>
 std::array<Variation, 2> variations_of_passes(const Setup<Dim>& setup, double per_bead) {
-  const int passes = setup.config.layers.passes, layers = setup.layers->count();
-  const int baseline_layers = setup.baseline->count();
   const bool finer = per_bead < 1.0 && obstacle_of_finer_grid(setup).empty();
   std::array<Variation, 2> result;
   result[0].name = "simulated layers";
   result[0].change = [=](Config& its) {
-    if (finer) refine(its);
+    if (finer) refine_once(its);
   };
   result[1].name = "real layers";
   result[1].change = [=](Config& its) {
-    if (finer) refine(its);
-    its.layers.passes = 1;  // slabs are as thick as a bead then
-    if (its.thermal) its.thermal->given_passes.reset();
-    if (its.layers.count) its.layers.count = passes * layers;
-    its.baseline.layers = passes * baseline_layers;
+    if (finer) refine_once(its);
+    cut_into_real_layers(its);
   };
   for (Variation& variation : result) variation.finer = finer;
-  result[1].layers_times = passes;
+  result[1].layers_times = setup.config.layers.passes;
   return result;
 }
 

@@ -93,31 +93,29 @@ class SameBytesTest(RestartTest):
         self.resumes = True
         self.assert_done(self.run_config(2, post_on_substrate(2), "-max_iterations", 4))
 
+    def check_cold_start(self, config, *options):
+        """A run that wrote its checkpoint where another one was stopped gives the same bytes."""
+        expected = self.run_config(2, config, *options, "-checkpoint_every", 3)
+        self.assert_done(expected)
+        half = self.half_run(2, config, 3, *options)
+        run = self.run_config(2, config, *options, "-restart", half.output, output=half.output)
+        self.assert_done(run)
+        self.assertEqual(history_text(run), history_text(expected))
+
     def test_reference_path_starts_cold_after_a_checkpoint(self):
-        """Its systems last from one iteration to the next, those of a relaxed preconditioner too: a run that
-        wrote its checkpoint where another one was stopped gives the same bytes."""
-        arguments = ("-max_iterations", 5, "-solver_path", "reference", "-elements", "40,24")
+        """Its systems last from one iteration to the next, those of a relaxed preconditioner too."""
         for method in ("direct", "gamg", "multigrid"):
             with self.subTest(method=method):
-                options = (*arguments, "-reference_method", method)
-                expected = self.run_config(2, plate_2d(), *options, "-checkpoint_every", 3)
-                self.assert_done(expected)
-                half = self.half_run(2, plate_2d(), 3, *options)
-                run = self.run_config(2, plate_2d(), *options, "-restart", half.output, output=half.output)
-                self.assert_done(run)
-                self.assertEqual(history_text(run), history_text(expected))
+                self.check_cold_start(plate_2d(), "-max_iterations", 5, "-solver_path", "reference", "-elements", "40,24",
+                                      "-reference_method", method)
 
     def test_warm_solves_start_cold_after_a_checkpoint(self):
         """They begin with the last design's solutions, but behind a checkpoint."""
+        self.check_cold_start(plate_2d(), "-max_iterations", 6, "-tolerance", "auto")
         for groups in distinct(1, 2):
             with self.subTest(groups=groups):
-                options = ("-max_iterations", 6, "-layers", 10, "-layer_groups", groups, "-tolerance", "auto")
-                expected = self.run_config(2, hook_3d(), *options, "-checkpoint_every", 3)
-                self.assert_done(expected)
-                half = self.half_run(2, hook_3d(), 3, *options)
-                run = self.run_config(2, hook_3d(), *options, "-restart", half.output, output=half.output)
-                self.assert_done(run)
-                self.assertEqual(history_text(run), history_text(expected))
+                self.check_cold_start(hook_3d(), "-max_iterations", 6, "-layers", 10,
+                                      "-layer_groups", groups, "-tolerance", "auto")
 
     def test_plastic_flow_starts_cold_after_a_checkpoint(self):
         """Its sweeps begin from the last design's state, but behind a checkpoint."""
@@ -126,13 +124,7 @@ class SameBytesTest(RestartTest):
         config["material"] = {"yield_stress": 0.002, "hardening": 0.02}
         for groups in distinct(1, 2):
             with self.subTest(groups=groups):
-                options = ("-max_iterations", 6, "-layers", 10, "-layer_groups", groups)
-                expected = self.run_config(2, config, *options, "-checkpoint_every", 3)
-                self.assert_done(expected)
-                half = self.half_run(2, config, 3, *options)
-                run = self.run_config(2, config, *options, "-restart", half.output, output=half.output)
-                self.assert_done(run)
-                self.assertEqual(history_text(run), history_text(expected))
+                self.check_cold_start(config, "-max_iterations", 6, "-layers", 10, "-layer_groups", groups)
 
     def test_kept_scales_and_best_iterate(self):
         """The checkpoint is the same, whether the run was cut before or not."""

@@ -53,7 +53,8 @@ using ScaleStiffness = std::function<void(const BlockRegion& block, std::span<do
 template <int Dim>
 class StepSystems {
  public:
-  /// Right-hand sides of a block whose solutions warm solves keep, at most; where there are more, none are.
+  /// Right-hand sides of a block, or functionals, whose solutions are kept to begin the next ones, at most;
+  /// where there are more, none are. Each takes up to the memory of the displacements.
   static constexpr int most_kept = 2;
 
   /// `lanes`: steps solved side by side at most. `blocks`: how the solver goes through a block of them. Model
@@ -148,8 +149,7 @@ class StepSystems {
   std::vector<BlockRegion> blocks_;
   std::vector<double> expected_work_;  ///< [forward, adjoint][step]
   bool warm_ = false;
-  std::optional<StepDeal> warm_deal_;  ///< of warm solves, and how many steps it has
-  std::size_t warm_steps_ = 0;
+  std::optional<std::pair<std::size_t, StepDeal>> warm_deal_;  ///< number of steps of warm solves, their deal
   std::unique_ptr<LastSolutions> last_;
 };
 

@@ -31,19 +31,24 @@ class BeadChecks {
   /// fine can be made.
   explicit BeadChecks(const Setup<Dim>& setup);
 
-  /// The setup in real layers, on the finest grid.
-  const Setup<Dim>& finest() const { return grids_.back()->setup; }
-  /// The same on the coarsest grid with an element to a bead, on which bodies of layers can still be made.
+  /// The setup in real layers on the coarsest grid with an element to a bead, on which bodies of layers can
+  /// still be made.
   const Setup<Dim>& for_bodies() const;
-  /// Cuts the layers of a design on one of these grids; `variables`: those of its simulated layers.
-  RealSequence<Dim> cut(const PseudoTime<Dim>& time, std::span<const double> variables,
-                        const Setup<Dim>& on) const;
-  /// Cuts so many simulated layers of equal steps, on the finest grid.
-  RealSequence<Dim> cut(const PseudoTime<Dim>& time, int layers) const;
-  /// Puts checks, places and verdict of the real layers in place of those of the simulated ones.
-  void judge(const RealSequence<Dim>& real, SequenceReport& report) const;
+  /// Puts checks, places and verdict of the real layers of a design, on the finest grid, in place of those of
+  /// its simulated layers, whose variables are given. Returns these real layers.
+  RealSequence<Dim> judge(const PseudoTime<Dim>& time, std::span<const double> variables,
+                          SequenceReport& report) const;
+  /// The same of so many simulated layers of equal steps.
+  void judge(const PseudoTime<Dim>& time, int layers, SequenceReport& report) const;
+  /// The real layers of a design that has been judged by those, on the grid for bodies.
+  RealSequence<Dim> on_grid_for_bodies(RealSequence<Dim> judged, const PseudoTime<Dim>& time,
+                                       std::span<const double> variables) const;
 
  private:
+  const Setup<Dim>& finest() const { return grids_.back()->setup; }
+  RealSequence<Dim> cut(const PseudoTime<Dim>& time, std::span<const double> variables,
+                        const Setup<Dim>& on) const;
+  void replace(const RealSequence<Dim>& real, SequenceReport& report) const;
   /// Cuts with curved layers of these time points, or else by `layers`.
   RealSequence<Dim> checked(const PseudoTime<Dim>& time, const Layers& layers,
                             std::vector<double> time_points, const Setup<Dim>& on) const;

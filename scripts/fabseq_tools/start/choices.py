@@ -146,15 +146,12 @@ def warnings_of(text, found):
 
 def sized(arguments, look):
     """The element, the thickness of a layer and why, and the beads of layers, if they are given."""
-    why = "the bead's height (--bead-height)"
-    if arguments.machine and not (arguments.thickness or arguments.bead_height):
-        arguments.bead_height, why = arguments.machine.target, "the height of the machine's bead"
     if arguments.bead_height:
         def element_for(target):
             across = ACROSS_LAYER if target == arguments.bead_height else ACROSS_BEADS
             return Element(arguments, look, target, across)
 
-        beads = Beads(arguments, look, element_for, ACROSS_BEADS)
+        beads, why = Beads(arguments, look, element_for, ACROSS_BEADS), arguments.why_bead
         if beads.passes > 1:
             why = f"{why}, times the {beads.passes} beads that a simulated layer stands for"
         return beads.element, beads.target(), why, beads

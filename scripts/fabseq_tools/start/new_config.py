@@ -138,7 +138,7 @@ def parsed(words):
     thickness.add_argument("--bead-height", type=positive, metavar="H", help="of which a simulated layer may stand for several")
     parser.add_argument("--bead-width", type=positive, metavar="W")
     parser.add_argument("--minutes", type=positive, metavar="M",
-                        help=f"of a run on one rank, about, with --bead-height (default: {MINUTES})")
+                        help=f"of a run on one rank, about, with a bead's height (default: {MINUTES})")
     parser.add_argument("--max-tilt", type=tilt, metavar="DEGREES",
                         help=f"between torch and plate's normal (default: the machine's, or {USUAL_TILT:g}; 180: no limit)")
     parser.add_argument("--sequence", choices=["heat", "guided"], help="default: guided with a tilt below 90, else heat")
@@ -175,6 +175,9 @@ def with_files(entries, part, folder):
 def settle_machine(arguments):
     """What the words of the command line leave to the machine, or to the usual."""
     machine = arguments.machine = Machine(arguments) if arguments.machine else None
+    arguments.why_bead = "the bead's height (--bead-height)"
+    if machine and not (arguments.thickness or arguments.bead_height):
+        arguments.bead_height, arguments.why_bead = machine.target, "the height of the machine's bead"
     given = arguments.max_tilt is not None
     arguments.usual_tilt = not given and machine is None
     if not given:

@@ -4,27 +4,21 @@
 A module of this folder with a line `POST = "name"` is the post-processor `name`; nothing else names it. It
 has a docstring, whose first line stands in the help of `fabseq-tools paths`, and
 
-- ENDINGS: of its files, a tuple; files with them that it does not write are removed from its folder. KEPT:
-names of files that are left as they are where they are there.
+- ENDINGS: of its files, a tuple; files with them that it does not write are removed from its folder.
+- KEPT: names of files that are left as they are where they are there.
 - add_options(group): adds its options to an argparse group.
 - program_files(program, options): returns the texts of its files by name, one per layer and one that calls
   them. `program`: Program of programs.py. Raises RunError where the machine cannot do it."""
 
 import importlib
-import re
 from pathlib import Path
 
-REGISTERED = re.compile(r'^POST = "([a-z0-9-]+)"$', re.MULTILINE)
+from fabseq_tools.run.registered import registered
 
 
 def find_posts(folder=Path(__file__).parent):
     """All post-processors' modules by name."""
-    found = {}
-    for path in sorted(folder.glob("*.py")):
-        name = REGISTERED.search(path.read_text(encoding="utf-8"))
-        if name:
-            found[name[1]] = importlib.import_module(f"{__name__}.{path.stem}")
-    return dict(sorted(found.items()))
+    return {name: importlib.import_module(f"{__name__}.{path.stem}") for name, path in registered(folder, "POST").items()}
 
 
 def summary(post):
