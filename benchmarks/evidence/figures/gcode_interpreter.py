@@ -7,9 +7,9 @@
 `fabseq-tools paths RUN --post gcode --control linuxcnc` writes a program for each pair of rotary axes and
 either sign. rs274 reads all its files and says to which positions it moves (canonical commands). Those with
 the arc on must be waypoints of paths.csv within 1e-3 mm and 1e-3 degrees of the axis, and layers, arcs and
-pauses must agree with the run, whose unit of length must be mm. Without --rs274 the PATH is searched; where it
-has no interpreter, Debian's package linuxcnc-uspace is unpacked in a temporary folder (`apt-get update` first;
-nothing is installed). Ends with status 1 if anything differs."""
+pauses must agree with the run, whose unit of length must be mm. Without --rs274 the PATH is searched; where
+it has no interpreter, Debian's package linuxcnc-uspace is unpacked in a temporary folder (`apt-get update`
+first; nothing is installed). Ends with status 1 if anything differs."""
 
 import csv
 import json

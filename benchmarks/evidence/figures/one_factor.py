@@ -4,10 +4,10 @@
 
     figures/one_factor.py [--output output/with_heat] [--table]
 
-OUTPUT is the folder of with_heat.py, which has to be run first. `fabseq-tools calibrate` fits one factor, on the
-elongation or on the yield stress with its hardening, to the arm in planar layers: displacements of C3D8I
-after the release, in a frame of their own. All parts are simulated with it, and also with a factor fitted to
-each part's own planar layers.
+OUTPUT is the folder of with_heat.py, which has to be run first. `fabseq-tools calibrate` fits one factor,
+on the elongation or on the yield stress with its hardening, to the arm in planar layers: displacements of
+C3D8I after the release, in a frame of their own. All parts are simulated with it, and also with a factor
+fitted to each part's own planar layers.
 
 Leaves OUTPUT/one_factor.json and the runs beside those of with_heat.py, and prints tables. What is there is
 not run again. --table runs nothing.

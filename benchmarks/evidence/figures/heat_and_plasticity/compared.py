@@ -50,7 +50,7 @@ def rms(displacement):
 
 
 def gain(row, planar, name):
-    """How many times larger the rms of planar layers is, by a brick or model; None where an rms is missing."""
+    """How many times larger the rms of planar layers is, by a brick or model; None where one is missing."""
     if name not in row or name not in planar:
         return None
     return rms_of(planar, name) / rms_of(row, name)
