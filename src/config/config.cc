@@ -19,6 +19,10 @@ ToolRange range_of(const ToolSettings& tool) {
 
 }  // namespace
 
+bool Config::needs_time_gradient(const ResponseType& type) const {
+  return type.needs_time_gradient || (type.needs_torch_axis && tool.axis.empty());
+}
+
 std::optional<TargetThickness> target_thickness(const Config& config) {
   const auto target_of = [&](double bead, const std::string& key) {
     return TargetThickness{config.layers.passes * bead, key, bead};

@@ -119,7 +119,7 @@ void check_needs(const Config& config, const ResponseType& type, const std::stri
   if (type.layers != LayerKind::any && type.layers != kind)
     refuse(pointer, shown(type.name) + " with layers of type \"" + name(kind) + "\"",
            std::string("this type with layers of type ") + name(type.layers));
-  if (type.needs_time_gradient && !config.has_time_gradient())
+  if (config.needs_time_gradient(type) && !config.has_time_gradient())
     refuse(pointer, shown(type.name) + without_gradient(config),
            "this type with sequence type " + sequences_with_gradient());
 }

@@ -27,10 +27,10 @@ bool is_given(const CommandLine& command_line, const std::string& path) {
                      [&](const auto& setting) { return setting.first == path; });
 }
 
-void leave_out_terms_of_gradient(std::vector<Term>& terms, const std::string& list) {
+void leave_out_terms_of_gradient(const Config& config, std::vector<Term>& terms, const std::string& list) {
   std::erase_if(terms, [&](const Term& term) {
     const ResponseType& type = *term.type;
-    if (!type.needs_time_gradient) return false;
+    if (!config.needs_time_gradient(type)) return false;
     warn("-sequence: " + pointer_to(pointer_to("", list), term.position) + " (" + type.name +
          ") is left out: it needs the gradient of the pseudo-time, which a sequence from a file has for "
          "checks only");
@@ -81,8 +81,8 @@ void reslice(const CommandLine& command_line, const Slicing& of_file, Config& co
     config.projection.beta = of_file.beta * (*layers.count / of_file.layers);
     config.projection.max = config.projection.beta;
   }
-  leave_out_terms_of_gradient(config.objective, "objective");
-  leave_out_terms_of_gradient(config.constraints, "constraints");
+  leave_out_terms_of_gradient(config, config.objective, "objective");
+  leave_out_terms_of_gradient(config, config.constraints, "constraints");
   if (!target || layers.multi_planar) return;
   const bool is_resliced = file_layers > 0 && layers.count;
   const double layer =

@@ -212,6 +212,7 @@ const Registered<ToolClearance, ToolClearanceSettings> registered(
     {.list = TermList::constraints,
      .name = "tool_clearance",
      .layers = LayerKind::curved,
+     .needs_torch_axis = true,
      .unit = share_of_part,
      .exact_check = "blocked"},
     Section<ToolClearanceSettings>("constraints")

@@ -33,7 +33,7 @@ Config in_real_layers(const Setup<Dim>& setup, int factor) {
   config.baseline.best_direction = config.baseline.even = false;
   config.projection.binary = true;
   // A sequence from a file, as which its results go on, has no gradient for responses.
-  std::erase_if(config.objective, [](const Term& term) { return term.type->needs_time_gradient; });
+  std::erase_if(config.objective, [&](const Term& term) { return config.needs_time_gradient(*term.type); });
   config.part.announce = false;
   complete_derived(config);
   return config;

@@ -62,6 +62,13 @@ TEST(ConfigRulesTest, KeysThatNeedEachOther) {
   EXPECT_EQ(error_of(solid, {{"sequence", R"({"type": "direct"})"}, {"objective", "[]"}}),
             "/constraints/0/type: found \"layer_thickness\"" + of_elements);
   EXPECT_EQ(error_of(solid, {{"sequence", R"({"type": "direct", "location": "nodes"})"}}), "no error");
+  const std::string reach = R"([{"type": "tool_clearance"}])", torch = "[[4, 1], [200, 30]]";
+  const Settings turning = {
+      {"sequence", file}, {"objective", "[]"}, {"constraints", reach}, {"tool.profile", torch}};
+  EXPECT_EQ(error_of(solid, turning), "/constraints/0/type: found \"tool_clearance\"" + reason);
+  Settings upright = turning;
+  upright.emplace_back("tool.axis", "[0, 0, 1]");
+  EXPECT_EQ(error_of(solid, upright).find("tool_clearance"), std::string::npos) << error_of(solid, upright);
   EXPECT_EQ(error_of(solid, {{"sequence", R"({"type": "planar", "direction": [0, 0, 0]})"}}),
             "/sequence/direction: found [0,0,0]; allowed: \"auto\" or a vector other than 0");
   EXPECT_EQ(solid_error("baseline.direction", "[0, 0, 0]"),

@@ -38,6 +38,8 @@ struct Config : ModelSettings {
 
   /// Whether |grad t| is defined, and with it all that depends on thickness.
   bool has_time_gradient() const { return sequence.facts.gradient_obstacle.empty(); }
+  /// Whether a response of that type needs the gradient of the pseudo-time, itself or as the torch's axis.
+  bool needs_time_gradient(const ResponseType& type) const;
 };
 
 /// Validates `document` (the parsed config with -set and flat options applied) against the sections of keys

@@ -15,8 +15,8 @@ DIR (default: RUN/compensated) gets
 - compensated.stl, .vtp: the mesh of the round with the least rms, in the part's own coordinates and unit:
   those of its mesh file, or else of the config. Points of the VTP file have the arrays moved_by and remains.
 - compensation.json, .csv: what remains after each round (as printed), in domain.unit: rms over the surface,
-  the largest, and the rms after a best rigid fit and of the points on the plate or the substrate, which keep
-  their height; and how many elements differ from those of RUN.
+  the largest, both after a best rigid fit, too (rms_fitted, largest_fitted), and the rms of the points on the
+  plate or the substrate, which keep their height; and how many elements differ from those of RUN.
 - round_K.stl, .json, .h5: mesh (in the config's coordinates), config and pseudo-time of a round; round_K: its
   simulation. finer_K: the same of --finer-check.
 """
@@ -138,6 +138,7 @@ def simulate(arguments, part, name, finer=1):
 def round_config(arguments, part, mesh, finer):
     """What is simulated: the run's own config without what is measured, with the moved mesh."""
     config = {key: part.config[key] for key in KEPT if key in part.config}
+    config["layers"] = {key: value for key, value in config["layers"].items() if key != "passes"}  # beads are not looked at
     config["domain"] = config["domain"] | {"elements": [finer * n for n in config["domain"]["elements"]]}
     given = part.config["part"].get("mesh", {})
     filled = arguments.fill if arguments.fill is not None else given.get("fill", 0.5)
@@ -154,8 +155,9 @@ def figures(part, remains):
     motions = rigid_motions(points - points.mean(axis=0)).reshape(6, -1).T * roots[:, None]
     rest = remains.ravel() * roots
     rest = rest - motions @ np.linalg.lstsq(motions, rest, rcond=1e-9)[0]
+    fitted = rest.reshape(-1, 3)[part.weights > 0] / np.sqrt(part.weights[part.weights > 0])[:, None]
     return {"rms": rms(squares, part.weights), "largest": float(np.sqrt(squares.max())),
-            "rms_fitted": float(np.linalg.norm(rest)),
+            "rms_fitted": float(np.linalg.norm(rest)), "largest_fitted": float(np.linalg.norm(fitted, axis=1).max()),
             "rms_at_plate": rms(squares[standing], part.weights[standing])}
 
 

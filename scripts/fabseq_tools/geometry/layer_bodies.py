@@ -15,6 +15,7 @@ from fabseq_tools.geometry.nodal_time import layer_times, nodal_time, times_of_n
 from fabseq_tools.geometry.part_body import at_points, body_of, continued
 from fabseq_tools.geometry.slopes import node_slopes
 from fabseq_tools.geometry.slivers import join_slivers, join_thin_ends
+from fabseq_tools.geometry.tetrahedra import Tetrahedra
 from fabseq_tools.run.command_line import RunError
 from fabseq_tools.run.progress import SILENT
 from fabseq_tools.run.read_run import Run, check_grid, passes_of
@@ -126,12 +127,32 @@ class LayeredPart:
             for stamp, rows in zip(stamps, groups[1:]):
                 self.cut(rows[0], body.fields["time"] - stamp, SNAPPED / len(layers), body.label > 0)
         for rows in groups:
-            for before, layer in self.progress.steps(itertools.pairwise(rows), "cutting off layer"):
-                self.cut(layer, layer.values(body) - before.upper, SNAPPED * (layer.upper - layer.lower),
-                         body.label == before.number)
+            self.divide(rows)
         self.times = np.array([0.0, *(layer.upper - layer.lower for layer in layers)])
         self.joined = join_slivers(body, self.judged)
         self.layers = {layer.number: layer for layer in layers if (body.label == layer.number).any()}
+
+    def divide(self, rows):
+        """Cuts what belongs to the first of some layers between all of them, in halves, so that each
+        tetrahedron is looked at a few times only."""
+        body = self.body
+        own = body.label == rows[0].number
+        done, waiting = [(body.corners[~own], body.label[~own])], [(body.corners[own], 0, len(rows))]
+        while waiting:
+            corners, first, end = waiting.pop()
+            if end - first == 1 or not len(corners):
+                done.append((corners, np.full(len(corners), rows[first].number)))
+                continue
+            middle = (first + end) // 2
+            self.progress.say(f"cutting layers {first + 1} to {end} of {len(rows)}")
+            values = rows[middle].values(body) - rows[middle - 1].upper
+            values[np.abs(values) < SNAPPED * (rows[middle].upper - rows[middle].lower)] = 0.0
+            half = Tetrahedra(body.points, body.fields, corners)
+            values, _ = half.cut(values)
+            body.points, body.fields = half.points, half.fields
+            beyond = half.side(values)
+            waiting += [(half.corners[beyond], middle, end), (half.corners[~beyond], first, middle)]
+        body.corners, body.label = (np.concatenate(arrays) for arrays in zip(*done))
 
     def cut(self, layer, values, snapped, chosen):
         """Gives what lies where values of the points are positive to a layer."""

@@ -43,7 +43,7 @@ def join(body, judged, number, find):
         return 0.0
     distances = [judged.distance(other, centres[chosen]) for other in neighbours]
     body.label[own[chosen]] = np.array(neighbours)[np.argmin(distances, axis=0)]
-    return float(body.volumes()[own[chosen]].sum())
+    return float(body.volumes(own[chosen]).sum())
 
 
 def far_from_elements(_, judged, number, __, centres):

@@ -25,8 +25,8 @@ class Tetrahedra:
         self.points, self.fields, self.corners = points, fields, corners
         self.label = np.zeros(len(corners), int) if label is None else label
 
-    def volumes(self):
-        a, b, c, d = np.moveaxis(self.points[self.corners], 1, 0)
+    def volumes(self, chosen=slice(None)):
+        a, b, c, d = np.moveaxis(self.points[self.corners[chosen]], 1, 0)
         return np.einsum("ni,ni->n", np.cross(b - a, c - a), d - a) / 6.0
 
     def part(self, chosen):

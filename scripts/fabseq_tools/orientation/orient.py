@@ -75,11 +75,16 @@ def main(words):
                                  os.path.dirname(os.path.abspath(arguments.config)))
     turns = [turn_of(text) for text in arguments.turn] if arguments.turn else six_turns(config.get("build_plate", "z-"))
     ensure_display()  # before hours of simulation
-    given = AsGiven(arguments, config)
-    records = [record_of(arguments, given, turn) for turn in turns]
+    records = records_of(arguments, config, turns)
     orient_results.write(records, config["domain"].get("unit"), arguments.output)
     if all("reason" in record for record in records):
         raise RunError("the program refuses every orientation")
+
+
+def records_of(arguments, config, turns, say=lambda words: print(words, flush=True)):
+    """What the orientations of a config with absolute file names come to, one after the other."""
+    given = AsGiven(arguments, config)
+    return [record_of(arguments, given, turn, say) for turn in turns]
 
 
 def turn_of(text):
@@ -206,11 +211,11 @@ def sizes_of(printed):
             "contact_elements": int(re.search(r"^plate contact: (\d+)", printed, re.MULTILINE)[1])}
 
 
-def record_of(arguments, given, turn):
+def record_of(arguments, given, turn, say):
     """What one orientation comes to; with `reason` alone if the program refuses it."""
     config, target = given.config, given.target
     name, plate = name_of(turn), config.get("build_plate", "z-")
-    print(f"orientation {name}", flush=True)
+    say(f"orientation {name}")
     folder = os.path.join(arguments.output, name)
     record = {"orientation": name, "turn": turn, "face_down": face_down(turn, plate), "folder": name}
     os.makedirs(folder, exist_ok=True)
@@ -232,16 +237,18 @@ def record_of(arguments, given, turn):
         run_program(arguments, path, "simulate", *planar, "-overwrite", "-output", os.path.join(folder, "planar"))
         record["planar"] = block_of(os.path.join(folder, "planar"))
         notes = write_config_to_go_on(arguments, given, turn, folder, turned["layers"].get("count"), planar_count)
+        for note in notes:
+            say(f"  {os.path.join(folder, 'config.json')}: {note}")
         return record | sizes | areas_of(os.path.join(folder, "planar"), plate) | {"notes": notes}
     except RunError as error:
         record["reason"] = str(error)
-        print(f"  {record['reason']}", flush=True)
+        say(f"  {record['reason']}")
         return record
 
 
 def write_config_to_go_on(arguments, given, turn, folder, layers, planar):
     """The user's config for a turned part; `layers`, `planar`: numbers of layers of the simulations. Returns
-    and prints what it could not keep."""
+    what it could not keep."""
     motion, path = Motion(turn), os.path.join(folder, "config.json")
     places = [node_set for node_set in given.config.get("node_sets", {}).values() if not {"all", "near"} & set(node_set)]
     if places and not motion.is_identity():
@@ -255,8 +262,6 @@ def write_config_to_go_on(arguments, given, turn, folder, layers, planar):
     domain = read_json(os.path.join(folder, "planar"), "config.json")["domain"]
     edge = max(length / count for length, count in zip(domain["size"], domain["elements"]))
     result.settle(arguments, path, edge, {} if motion.is_identity() or not places else given.node_counts)
-    for note in result.notes:
-        print(f"  {path}: {note}", flush=True)
     return result.notes
 
 

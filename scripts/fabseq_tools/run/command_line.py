@@ -14,6 +14,7 @@ from fabseq_tools.run.places import ENVIRONMENT, NAME
 
 BAD_INPUT = 2  # the exit status, as of the program
 INTERRUPTED = 130
+TO_NOTICE, TO_CHECKPOINT = 2.0, 60.0  # seconds that an interrupted command gets
 VALUE_OF = "argument "  # begins what argparse says of the value of an option
 WARNING = "warning: "  # begins the program's own
 TRACEBACK = "FABSEQ_TRACEBACK"  # the variable with which errors of Python show where they come from
@@ -119,11 +120,29 @@ def run_command(command, capture=True, statuses=(0,), **more):
     RunError if it ends with another exit status than these."""
     command = list(map(str, command))
     in_environment = 'source "$0"; allow_more_ranks_than_cores; exec "$@"'
-    result = subprocess.run(["bash", "-c", in_environment, ENVIRONMENT, *command],
-                            capture_output=capture, text=True, check=False, **more)
-    if result.returncode not in statuses:
-        raise RunError(f"status {result.returncode}: {' '.join(command)}\n{(result.stderr or '').strip()}".strip())
-    return result
+    words = ["bash", "-c", in_environment, ENVIRONMENT, *command]
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} if capture else {}
+    with subprocess.Popen(words, text=True, **pipes, **more) as process:
+        try:
+            output, errors = process.communicate()
+        except BaseException:
+            end(process)
+            raise
+    if process.returncode not in statuses:
+        raise RunError(f"status {process.returncode}: {' '.join(command)}\n{(errors or '').strip()}".strip())
+    return subprocess.CompletedProcess(words, process.returncode, output, errors)
+
+
+def end(process):
+    """Waits until a command that was interrupted has written its checkpoint: a terminal interrupts it as
+    well, what else interrupts the tool alone does not."""
+    for ask, patience in ((lambda: None, TO_NOTICE), (process.terminate, TO_CHECKPOINT), (process.kill, None)):
+        try:
+            ask()
+            process.communicate(timeout=patience)
+            return
+        except subprocess.TimeoutExpired:
+            continue
 
 
 def require_program(program):

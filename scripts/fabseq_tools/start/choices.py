@@ -162,7 +162,7 @@ def sized(arguments, look):
 
 
 def choose(arguments, look):
-    """The entries of the config, what there is to tell of it, and warnings."""
+    """The entries of the config, what there is to tell of it, warnings, and the part as the program sees it then."""
     material, material_warnings = material_of(arguments)
     element, target, why_target, beads = sized(arguments, look)
     found, warnings = element.found, material_warnings + element.warnings
@@ -193,4 +193,5 @@ def choose(arguments, look):
     entries[1].remark += (f" {last.elements:,} elements, {last.memory:g} GB on one rank, about {last.seconds:g} s an iteration.")
     if beads:
         remarks = [beads.words(count, last), *remarks]
-    return entries, remarks, warnings + uncarried + [line for text in last.warnings for line in warnings_of(text, found)]
+    warnings += uncarried + [line for text in last.warnings for line in warnings_of(text, found)]
+    return entries, remarks, warnings, last

@@ -81,12 +81,8 @@ def main(words):
     with tempfile.TemporaryDirectory() as folder, Progress(COMMAND) as progress:
         look = Look(arguments, folder, progress)
         warn_of_unit(arguments, look.size)
-        entries, remarks, warnings = choose(arguments, look)
-    folder = os.path.dirname(os.path.abspath(output))
-    os.makedirs(folder, exist_ok=True)
-    head = f"{os.path.basename(arguments.part)}: what fabseq-tools new has chosen; all lengths in {arguments.unit}."
-    with open(output, "w", encoding="utf-8") as file:
-        file.write(config_text(head, with_files(entries, arguments.part, folder)))
+        entries, remarks, warnings, _ = choose(arguments, look)
+    write(arguments, entries, output)
     for entry in entries:
         for line in entry.lines():
             print(line)
@@ -99,6 +95,15 @@ def main(words):
     print(f"{output}: written; look at it, then run it with")
     print(f"{shlex.join([arguments.program, '-config', output, '-task', 'check', '-picture'])}")
     print(f"{shlex.join([os.path.join(SCRIPTS, 'use', 'run.sh'), '-config', output])}")
+
+
+def write(arguments, entries, output):
+    """The config."""
+    folder = os.path.dirname(os.path.abspath(output))
+    os.makedirs(folder, exist_ok=True)
+    head = f"{os.path.basename(arguments.part)}: what fabseq-tools new has chosen; all lengths in {arguments.unit}."
+    with open(output, "w", encoding="utf-8") as file:
+        file.write(config_text(head, with_files(entries, arguments.part, folder)))
 
 
 tilt = number("degrees above 0, up to 180, which is no limit", lambda value: 0 < value <= ANY_TILT)

@@ -4,6 +4,8 @@
 import dataclasses
 import os
 
+import numpy as np
+
 from fabseq_tools.run.command_line import RunError
 from fabseq_tools.run.read_run import repair_option
 from fabseq_tools.run.progress import Progress
@@ -33,19 +35,19 @@ class Comparison:
         self.judging = BINARY | (judging or {})
         self.scenarios = {"material.scenarios": strains(self.families.dimension)}
 
-    def rows(self, subparts, step, azimuths):
-        """One after the other, as they are done."""
+    def rows(self, subparts, step, azimuths, curved=("start", "heat", "guided")):
+        """One after the other, as they are done. `curved`: methods of Families, by name."""
         families = self.families
         height = heights_of(self.rounds.run(*families.one_layer().run()))
         yield self.row(families.planar("planar", "planar", families.up, height(families.up)))
         best = self.best_of_scan(step, azimuths, height)
         if best is not None:
             yield best
-        lean = families.up if best is None or "direction" not in best else best["direction"]
+        lean = families.up if best is None or "direction" not in best else np.array(best["direction"])
         for count in subparts:
             yield self.row(families.multi_planar(count, lean))
-        for family in (families.start(), families.heat(), families.guided()):
-            yield self.row(family)
+        for name in curved:
+            yield self.row(getattr(families, name)())
 
     def best_of_scan(self, step, azimuths, height):
         """Those of the best class come first. None where the limit is less than a step."""
