@@ -40,7 +40,7 @@ endfunction()
 
 # Topics of tests/integration that sanitizers leave out: of scripts, which run the program as the other topics
 # do; of digits, which the release build looks at; and of classes whose own tests sanitizers run.
-set(FABSEQ_RELEASE_TOPICS "benchmarks|calculix|calibrate|calibrate_checks|calibrate_flow|calibrate_runs|compensate|gradient_matrix|one_reader|orient|own_kinds|package|slurm")
+set(FABSEQ_RELEASE_TOPICS "benchmarks|calculix|calibrate|calibrate_checks|calibrate_flow|calibrate_runs|compensate|gradient_matrix|one_reader|orient|own_kinds|package|plan|slurm")
 string(APPEND FABSEQ_RELEASE_TOPICS "|python|deposition|direct|groups|pictures|ranks|readme|scenarios|squares|stop")
 string(APPEND FABSEQ_RELEASE_TOPICS "|coarse|gradients|welded_back|install|model_group|multi_planar|region|reruns|sensitivity|starts|verdict")
 
@@ -56,7 +56,7 @@ set(FABSEQ_COSTS
     lane_elasticity_mpi_test.np4=35 heat_sequence_mpi_test.np4=30 integration.locale=30 integration.locks=30
     integration.mesh=30 integration.simulate=20 integration.coarse=20 integration.starts=15 integration.squares=20 integration.leaks=20
     integration.one_reader=10 integration.judged_again=20 integration.beads=20 integration.pictures=20 integration.model_group=20 integration.check_picture=20 scripts.compare_test=20 faults.configs=15 integration.hostile_input=15
-    integration.reference=15 integration.gradients=15 integration.calculix=15 integration.install=15 integration.python=15 integration.own_kinds=20 integration.package=5
+    integration.reference=15 integration.gradients=15 integration.calculix=15 integration.install=15 integration.python=15 integration.own_kinds=20 integration.package=5 integration.plan=40
     scripts.tools_package_test=15 scripts.new_config_test=25 scripts.new_config_pieces_test=20 scripts.new_config_beads_test=20 scripts.study_tools_test=45 scripts.machine_option_test=30 integration.machine_file=10 scripts.answer_test=20 scripts.damaged_files_test=15 scripts.virtual_display_test=15 integration.outputs=10 run_lock_test.np1=12)
 function(fabseq_cost result name)
   set(cost 1)
@@ -73,14 +73,14 @@ set(FABSEQ_LABELS
     "kernels=^(kernels|ranks|multigrid|islands|cg|fem)/"
     "gradients=^(responses|layers|process|sequence|chain|optimize)/|^integration/integration.(gradient|guided|reference|squares|direct|deposition|sensitivity)"
     "files=^(files|faults|config|keys)/|^integration/integration.(errors|hostile_input|machine_file|mesh|model_group|outputs|reruns|restart|stop|failures|simulate|locale|locks)"
-    "scripts=^scripts/|^integration/integration.(benchmarks|calculix|calibrate|compensate|orient|pictures|readme|slurm|install|package)"
+    "scripts=^scripts/|^integration/integration.(benchmarks|calculix|calibrate|compensate|orient|pictures|plan|readme|slurm|install|package)"
     "evidence=^evidence/"
     "indices=^(base/mpi|grid|part|solve|files|sequence)"
     "slurm=^integration/integration.slurm"
     "quick=^(base|keys|parallel|grid|mesh|part|files|fem|solve|sequence|layers|machine|process|responses|config|mma|model|chain|optimize|report|repair)/|^scripts/")
 # What scripts/test.sh --all has beside the tests that each change must pass: commands of the pages, campaigns, packages,
 # studies and pictures, Slurm, and four ranks where two have the same code.
-set(FABSEQ_THOROUGH "^integration/integration.(calibrate.*|check_picture|compensate|configs|install|leaks|multi_planar|orient|own_kinds|package|pictures|python|readme|sensitivity|slurm|stop|welded_back)$")
+set(FABSEQ_THOROUGH "^integration/integration.(calibrate.*|check_picture|compensate|configs|install|leaks|multi_planar|orient|own_kinds|package|pictures|plan|python|readme|sensitivity|slurm|stop|welded_back)$")
 string(APPEND FABSEQ_THOROUGH "|^faults/faults.sample$|^evidence/|^benchmarks/")
 string(APPEND FABSEQ_THOROUGH "|^scripts/scripts.(answer|compare|damaged_files|export_.*|launch|machine_option|new_config_pieces|overview|plots|report|study_tools|tools_package|virtual_display)_test$")
 function(fabseq_labels result module name)

@@ -167,6 +167,26 @@ class RealLayersTest(FabseqTest):
         self.assertLessEqual(summary["binary"]["checks"]["tilt"]["largest"], 50 + 1e-6)
         self.assertGreater(summary["binary"]["checks"]["tilt"]["largest"], 5)
 
+    def test_layers_of_a_ridge_are_as_thick_as_elsewhere(self):
+        """Where layers of two sides meet, the gradient turns over within an element, and is as long there."""
+        config, slope = plate_2d(), np.radians(60)
+        config |= {"part": {"box": {"min": [0, 0], "max": [2, 1.2]}}, "tool": TOOL | {"max_tilt": 180}}
+        x, y = np.meshgrid(0.05 + 0.1 * np.arange(20), 0.05 + 0.1 * np.arange(12))
+        height = 1.2 * np.cos(slope) + np.sin(slope)
+        path = os.path.join(self.directory, "roof.h5")
+        with h5py.File(path, "w") as file:
+            file["time"] = (y * np.cos(slope) + (1 - np.abs(x - 1)) * np.sin(slope)) / height
+            file["time_gradient"] = np.stack([-np.sign(x - 1) * np.sin(slope), np.full(x.shape, np.cos(slope))], axis=-1) / height
+        config["constraints"][0]["target"] = height / 12
+        config["layers"] = {"count": 4, "passes": 3}
+        run = self.run_config(1, config, "-task", "simulate", "-sequence", path, "-binary")
+        self.assert_done(run)
+        summary = run.json("summary.json")
+        self.assertGreater(summary["real_layers"]["elements_per_bead"], 2)
+        found = summary["checks"]["local_thickness"]
+        self.assertAlmostEqual(found["least"] / (height / 12), 1, delta=1e-6)
+        self.assertAlmostEqual(found["largest"] / (height / 12), 1, delta=1e-6)
+
     def test_spread_by_lumping(self):
         """As simulations of the same sequence in simulated and in real layers have it, and planar ones."""
         config = in_beads(plate_2d(), 2)

@@ -244,7 +244,8 @@ class ReslicingTest(FabseqTest):
         assert_close(read_result(given)["displacement"], read_result(planar)["displacement"], 1e-9, "displacement")
         config = plate_2d() | {"constraints": [{"type": "tool_clearance"}], "tool": {"profile": [[1, 0.1], [30, 1]]}}
         for axis, messages in (({}, 2), ({"axis": [0, 1]}, 1)):
-            torch = self.run_config(1, config | {"tool": config["tool"] | axis}, "-task", "simulate", "-sequence", path, "-binary")
+            tool = {"tool": config["tool"] | axis}
+            torch = self.run_config(1, config | tool, "-task", "simulate", "-sequence", path, "-binary")
             self.assert_done(torch)
             self.assertEqual(len(torch.messages()), messages, str(torch))
         smooth = self.run_config(1, plate_2d(), "-task", "simulate", "-sequence", path, "-layers", 6)

@@ -39,10 +39,10 @@ inline constexpr const char* share_of_part = "share of the part";
 /// What is known of a response before there is a part: its name and what it needs.
 struct ResponseTraits {
   TermList list = TermList::objective;
-  std::string name;                          ///< the config's "type"
-  LayerKind layers = LayerKind::any;         ///< kind of layers that it is defined for
-  bool needs_time_gradient = false;          ///< it needs |grad t|, as thickness does
-  bool needs_torch_axis = false;  ///< it needs the torch's axis: grad t, unless tool.axis says otherwise
+  std::string name;                   ///< the config's "type"
+  LayerKind layers = LayerKind::any;  ///< kind of layers that it is defined for
+  bool needs_time_gradient = false;   ///< it needs |grad t|, as thickness does
+  bool needs_torch_axis = false;      ///< it needs the torch's axis: grad t, unless tool.axis says otherwise
   TermScaling scaling = TermScaling::first;  ///< default scaling of an objective term
   double weight = 1.0;                       ///< its default weight
   std::string weight_option = "";  ///< flat option for the weight of an objective term; "" if there is none

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""The fifth step of a plan: the chosen layers with all elements, beside planar ones and the best alternative."""
+"""The fifth step of a plan: the chosen layers with all elements, beside planar ones and the best
+alternative."""
 
 import argparse
 import dataclasses
@@ -75,8 +76,8 @@ class Rows:
         return self.row(self.families.planar(label, "tilted", direction, self.height(direction)))
 
     def alternative(self, built, simplest):
-        """What the run of optimized layers has found best beside them, or else the best of the fourth step that
-        nobody has to optimize."""
+        """What the run of optimized layers has found best beside them, or else the best of the fourth step
+        that nobody has to optimize."""
         best = answer(Run(built["run"], with_fields=False, simulations=True)).get("best_alternative") or {}
         block = best.get("block")
         if block == "baseline_tilted":
@@ -102,4 +103,5 @@ def times_of(directory):
     summary = read_json(directory, "summary.json")
     heat, finished = summary.get("interpass", {}), summary.get("finished", {})
     skin = (finished.get("released") or finished.get("as_built") or {}).get("skin", {})
-    return {"largest": skin.get("max"), "hours": heat.get("build_hours") or summary.get("build_hours"), "mass": summary.get("wire_mass")}
+    hours = heat.get("build_hours") or summary.get("build_hours")
+    return {"largest": skin.get("max"), "hours": hours, "mass": summary.get("wire_mass")}

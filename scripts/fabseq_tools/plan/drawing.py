@@ -40,7 +40,8 @@ def compensate_drawing(steps, built):
     shutil.copyfile(os.path.join(folder, "compensated.stl"), steps.path("compensated.stl"))
     before, after = record["rounds"][0], record["rounds"][best]
     found = figures.row_of(Run(judged, simulations=True), 1.0)
-    moved = row | {"layers": f"{row['layers']}, compensated drawing", "folder": FOLDER, "judged": judged, "spread": found["spread"],
+    moved = row | {"layers": f"{row['layers']}, compensated drawing", "folder": FOLDER, "judged": judged,
+                   "spread": found["spread"],
                    "class": found["class"], "verdict": found["verdict"], "places": found["places"],
                    "skin_released": after["rms_fitted"], **times_of(judged), "largest": after["largest_fitted"]}
     line = (f"{quantity(after['rms_fitted'], 'mm')} left of {quantity(before['rms_fitted'], 'mm')}, "
@@ -49,8 +50,8 @@ def compensate_drawing(steps, built):
 
 
 def judge(steps, row, folder, name):
-    """The folder of a simulation of a round's layers with what the judged run of the drawing knows of machine,
-    beads, heat and scenarios."""
+    """The folder of a simulation of a round's layers with what the judged run of the drawing knows of
+    machine, beads, heat and scenarios."""
     round_config, config = read_json(folder, f"{name}.json"), read_json(row["judged"], "config.json")
     passes = {"passes": config["layers"]["passes"]} if config["layers"].get("passes", 1) > 1 else {}
     config = {key: value for key, value in config.items() if key not in NOT_MOVED} | {

@@ -22,23 +22,30 @@ def settle_holes(steps, part, turned):
         config = made(False)
         holes = holes_of(config)
         if holes:
-            listed = "\n".join(f"  {words}" for words in holes)
-            fill = steps.choose(f"no layers carry the roofs of\n{listed}\nclose them, to be drilled afterwards (y, n)?", "yn", "n") == "y"
+            listed = "".join(f"\n  {words}" for words in holes)
+            question = f"no layers carry the roofs of{listed}\nclose them, to be drilled afterwards (y, n)?"
+            fill = steps.choose(question, "yn", "n") == "y"
     if config is None or fill:
         config = made(fill)
-    found = contact_of(config)
-    closed = [words for words in config.remarks if words.startswith("closed")]
-    open_ones = holes_of(config)
+    found = contact_of(config) | {"holes": holes_of(config),
+                                  "closed": [words for words in config.remarks if words.startswith("closed")]}
+    warnings = [text for text in config.warnings if text.startswith(TOLD)]
+    if found["area"] < NARROW * found["foot"]:
+        warnings.insert(0, f"the part stands on {percent(found['area'] / found['foot'])} of the area below it: clamp it, or turn "
+                        "it (--rotate)")
+    return {"line": line_of(found), "warnings": warnings, "config": path, "rotate": turned["rotate"], "scale": part["scale"],
+            "density": part["density"], "fill_holes": fill} | found
+
+
+def line_of(found):
+    closed, holes = found["closed"], found["holes"]
     line = f"stands on {quantity(found['area'], 'mm²')} of the plate"
     line += f", in {found['standing']} pieces" if found["standing"] > 1 else ""
     line += f"; {percent(found['share_hanging'])} of it lies in the air and is left out" if found["hanging"] else ""
     line += f"; {count_of(closed)} closed, to be drilled" if closed else ""
-    line += f"; {count_of(open_ones)} stay{'s' * (len(open_ones) == 1)} open that no layers carry (--fill-holes closes)" if open_ones else ""
-    line += "" if closed or open_ones else "; no hole that layers cannot carry"
-    narrow = found["area"] < NARROW * found["foot"]
-    warnings = [f"the part stands on {percent(found['area'] / found['foot'])} of the area below it: clamp it, or turn it (--rotate)"]
-    return {"line": line, "warnings": warnings * narrow + [text for text in config.warnings if text.startswith(TOLD)], "config": path, "rotate": turned["rotate"],
-            "scale": part["scale"], "density": part["density"], "fill_holes": fill, "holes": open_ones, "closed": closed} | found
+    if holes:
+        line += f"; {count_of(holes)} stay{'s' * (len(holes) == 1)} open that no layers carry (--fill-holes closes)"
+    return line if closed or holes else f"{line}; no hole that layers cannot carry"
 
 
 def holes_of(made):

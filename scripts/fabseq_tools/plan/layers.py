@@ -51,7 +51,8 @@ def merit(row):
 
 
 def judged(planar, simplest, best, share):
-    """In words, and whether optimizing pays. `simplest`: the best layers without it; `best`: those with it."""
+    """In words, and whether optimizing pays. `simplest`: the best layers without it; `best`: those with
+    it."""
     name = f"build it in {simplest['layers']}"
     if best is None:
         return f"No optimized layers: {name}", False
@@ -61,10 +62,12 @@ def judged(planar, simplest, best, share):
     gain, simple_gain = length(planar) - length(best), length(planar) - length(simplest)
     ratio = length(simplest) / length(best)
     if rank(best["class"]) > rank(simplest["class"]):
-        return f"Optimizing does not pay: {best['layers']} layers are {best['verdict']}; {name}, which are {simplest['verdict']}", False
+        return (f"Optimizing does not pay: {best['layers']} layers are {best['verdict']}; {name}, which are "
+                f"{simplest['verdict']}"), False
     if gain <= 0.0 or ratio < ALIKE:
         return f"Optimizing does not pay: {name}, where {quantity(length(simplest), 'mm')} are left, optimized " \
                f"{quantity(length(best), 'mm')}", False
     if simple_gain >= share * gain:
         return f"Optimizing does not pay: {name}: {simple_gain / gain:.0%} of the gain", False
-    return f"Optimizing pays: {best['layers']} layers distort {factor(ratio)} times less than the best others, {simplest['layers']}", True
+    return (f"Optimizing pays: {best['layers']} layers distort {factor(ratio)} times less than the best others, "
+            f"{simplest['layers']}"), True

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: MIT
 """The seventh step of a plan: torch paths with pauses, and the starts of what it is compared with."""
 
+import concurrent.futures
 import os
+import sys
 
 from fabseq_tools.paths import export_paths
-from fabseq_tools.plan.quiet import quiet
-from fabseq_tools.run.command_line import RunError
+from fabseq_tools.run.command_line import RunError, run_command
+from fabseq_tools.run.places import ENTRY, NAME
 from fabseq_tools.run.progress import Progress
 from fabseq_tools.run.read_run import read_json
 from fabseq_tools.run.words import duration
@@ -17,18 +19,17 @@ def write_paths(steps, built, drawing):
     """Starts of all sequences, and tilt and pause of each layer of what is welded."""
     welded = drawing.get("row") or built["built"]
     rows = {"welded": welded, "planar": built["planar"], "other": built["other"]}
-    found, reasons = {}, {}
-    with Progress("plan") as progress:
-        for name, row in rows.items():
-            if not row or "reason" in row:
-                continue
-            progress.say(f"paths of {row['layers']}")
+    rows = {name: row for name, row in rows.items() if row and "reason" not in row}
+    found = {}
+    with Progress("plan") as progress, concurrent.futures.ThreadPoolExecutor(max_workers=steps.arguments.ranks) as workers:
+        waiting = {name: workers.submit(paths_of, steps, row, name) for name, row in rows.items()}
+        for name, result in waiting.items():
+            progress.say(f"paths of {rows[name]['layers']}")
             try:
-                found[name] = paths_of(steps, row, name)
+                found[name] = result.result()
             except RunError as error:
-                reasons[name] = str(error)
-    if "welded" not in found:
-        return {"line": f"no paths: {reasons['welded']}", "starts": {}}
+                if name == "welded":
+                    return {"line": f"no paths: {reason_of(error)}", "starts": {}}
     record = found["welded"]
     pauses = [layer["pause"] or 0.0 for layer in record["layers"]]
     layers = [{"layer": layer["layer"], "tilt": layer["angle"][1], "pause": layer["pause"]} for layer in record["layers"]]
@@ -47,5 +48,12 @@ def paths_of(steps, row, name):
         words += [word for post in steps.arguments.post for word in ("--post", post)]
     else:
         words.append("--no-picture")
-    quiet(export_paths.main, words, steps.path(f"paths_{name}.log"))
+    done = run_command([sys.executable, ENTRY, export_paths.COMMAND, *words])
+    with open(steps.path(f"paths_{name}.log"), "w", encoding="utf-8") as file:
+        file.write(done.stdout + done.stderr)
     return read_json(folder, SUMMARY)
+
+
+def reason_of(error):
+    """The command's own line."""
+    return str(error).splitlines()[-1].removeprefix(f"{NAME} {export_paths.COMMAND}: ")

@@ -19,16 +19,19 @@ from fabseq_tools.study.comparison import UNKNOWN
 
 TEMPLATE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "page.html")
 PIXELS = "600"
+BEGINS = {"buildable": "Weld this", "buildable_but_for_places": "Weld this, but for what stands below",
+          "not_buildable": "Not to be welded as it is"}  # by class
+MOST_PLACES = 4
 
 
 def write_page(steps, placed, chosen, built, drawing, paths):
     """Writes plan.html and plan.json. Returns the last line of the command."""
     rows = rows_of(built, drawing, paths, chosen["optimized"])
     best = rows[-1]
-    answer = f"Weld this: {best['layers']}"
+    answer = f"{BEGINS.get(best['class'], 'Not judged')}: {best['layers']}"
     record = {"answer": answer, "part": steps.arguments.part, "machine": steps.arguments.machine, "unit": UNIT, "rows": rows,
-              "optimizing_pays": chosen["pays"], "why": chosen["why"], "rotate": placed["rotate"], "closed_holes": placed["closed"],
-              "open_holes": placed["holes"], "layers": paths.get("layers", []),
+              "optimizing_pays": chosen["pays"], "why": chosen["why"], "rotate": placed["rotate"],
+              "closed_holes": placed["closed"], "open_holes": placed["holes"], "layers": paths.get("layers", []),
               "steps": {name: found["line"] for name, found in steps.found.items()}, "seconds": steps.seconds()}
     write_json(steps.path("plan.json"), record)
     write_report(steps, built)
@@ -86,10 +89,10 @@ def table_of(rows):
 
 def note_of(steps, placed):
     heat, film = steps.arguments.heat_input, steps.arguments.film
-    words = (f"rms, largest: of the skin's deviation from the drawing after the best fit, released from the plate if it can be; "
-             f"by the linear model with the material's inherent strain, which is to be calibrated. spread: how much {UNKNOWN:.0%} more "
-             f"and less of that strain along each axis changes the rms. hours: welding, and the pauses that the interpass limit needs "
-             f"with an assumed heat of {heat:g} J/kg and {film:g} W/(mm² K).")
+    words = ("rms, largest: of the skin's deviation from the drawing after the best fit, released from the plate if it can be; by "
+             "the linear model with the material's inherent strain, which is to be calibrated. spread: how much "
+             f"{UNKNOWN:.0%} more and less of that strain along each axis changes the rms. hours: welding, and the pauses that the "
+             f"interpass limit needs with an assumed heat of {heat:g} J/kg and {film:g} W/(mm² K).")
     if placed["closed"]:
         words += f" Holes that are closed and drilled afterwards: {len(placed['closed'])}."
     return f'<p class="note">{escape(words)}</p>'
@@ -109,9 +112,12 @@ def picture_of(steps, built):
 
 
 def places_of(best):
+    """What fails where; the report has all of it."""
     if not best["places"]:
         return ""
-    return "<p><b>Look at</b></p><ul>" + "".join(f"<li>{escape(words)}</li>" for words in best["places"]) + "</ul>"
+    shown, left = best["places"][:MOST_PLACES], len(best["places"]) - MOST_PLACES
+    shown += ["and more: report.html lists them"] * (left > 0)
+    return "<p><b>Where it fails</b></p><ul>" + "".join(f"<li>{escape(words)}</li>" for words in shown) + "</ul>"
 
 
 def write_report(steps, built):

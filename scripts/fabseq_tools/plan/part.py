@@ -30,8 +30,9 @@ def settle_part(steps):
         f"the part is {by(look.size)} mm with its file in {unit}: is it in another unit (--unit)?"]
     line = f"{by(look.size)} mm, {quantity(PER_CM3 * first.volume, 'cm³')}"
     line += f", {quantity(mass, 'kg')}" if mass else ""
-    return {"line": f"{line}, with the file in {unit}{' (--unit)' * (arguments.unit is None)}", "warnings": warnings, "unit": unit,
-            "scale": scale, "size": look.size, "volume": first.volume, "mass": mass, "density": density}
+    line += f", with the file in {unit}{' (--unit)' * (arguments.unit is None)}"
+    return {"line": line, "warnings": warnings, "unit": unit, "scale": scale, "size": look.size, "volume": first.volume, "mass": mass,
+            "density": density}
 
 
 def by(size):

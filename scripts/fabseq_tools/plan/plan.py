@@ -74,11 +74,13 @@ def parsed(words):
     parser.add_argument("part")
     parser.add_argument(OPTION, metavar="CELL", required=True, help="machine file, or the name of one of configs/machines")
     parser.add_argument("-o", "--output", metavar="DIR", help="default: output/PART_plan")
-    parser.add_argument("--unit", choices=list(MILLIMETRES), metavar="UNIT", help="of the file: mm, cm, m, in or ft (default: mm)")
+    parser.add_argument("--unit", choices=list(MILLIMETRES), metavar="UNIT",
+                        help="of the file: mm, cm, m, in or ft (default: mm)")
     parser.add_argument("--material", metavar="NAME", help="one of configs/materials (default: ER70S-6)")
     parser.add_argument("--rotate", type=turns, metavar="X,Y,Z", help="degrees about x, then y, then z (default: step 2)")
     holes = parser.add_mutually_exclusive_group()
-    holes.add_argument("--fill-holes", action="store_true", default=None, help="that no layers carry: they are drilled afterwards")
+    holes.add_argument("--fill-holes", action="store_true", default=None,
+                       help="that no layers carry: they are drilled afterwards")
     holes.add_argument("--keep-holes", dest="fill_holes", action="store_false", help="they stay open (default)")
     parser.add_argument("--keep", choices=["connected", "all"], help="as of fabseq-tools new")
     parser.add_argument("--share", type=between(0, 1), default=0.9, help="of the gain, with which layers that nobody has to "

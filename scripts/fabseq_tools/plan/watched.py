@@ -10,8 +10,8 @@ PAUSE = 2.0  # seconds between two looks
 
 
 class Watched:
-    """`with Watched(folder) as progress: progress.say("guided")` says that, and behind it the iteration of the
-    optimization that is under way."""
+    """`with Watched(folder) as progress: progress.say("guided")` says that, and behind it the iteration of
+    the optimization that is under way."""
 
     def __init__(self, folder):
         self.folder, self.what, self.progress = pathlib.Path(folder), "", Progress("plan")

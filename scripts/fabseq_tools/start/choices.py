@@ -162,7 +162,8 @@ def sized(arguments, look):
 
 
 def choose(arguments, look):
-    """The entries of the config, what there is to tell of it, warnings, and the part as the program sees it then."""
+    """The entries of the config, what there is to tell of it, warnings, and the part as the program sees it
+    then."""
     material, material_warnings = material_of(arguments)
     element, target, why_target, beads = sized(arguments, look)
     found, warnings = element.found, material_warnings + element.warnings
