@@ -89,10 +89,10 @@ def table_of(rows):
 
 def note_of(steps, placed):
     heat, film = steps.arguments.heat_input, steps.arguments.film
-    words = ("rms, largest: of the skin's deviation from the drawing after the best fit, released from the plate if it can be; by "
-             "the linear model with the material's inherent strain, which is to be calibrated. spread: how much "
-             f"{UNKNOWN:.0%} more and less of that strain along each axis changes the rms. hours: welding, and the pauses that the "
-             f"interpass limit needs with an assumed heat of {heat:g} J/kg and {film:g} W/(mm² K).")
+    words = ("rms, largest: of the skin's deviation from the drawing after the best fit, released from the plate if it can be; "
+             "by the linear model with the material's inherent strain, which is to be calibrated. spread: how much "
+             f"{UNKNOWN:.0%} more and less of that strain along each axis changes the rms. hours: welding, and the pauses that "
+             f"the interpass limit needs with an assumed heat of {heat:g} J/kg and {film:g} W/(mm² K).")
     if placed["closed"]:
         words += f" Holes that are closed and drilled afterwards: {len(placed['closed'])}."
     return f'<p class="note">{escape(words)}</p>'

@@ -31,8 +31,8 @@ def settle_part(steps):
     line = f"{by(look.size)} mm, {quantity(PER_CM3 * first.volume, 'cm³')}"
     line += f", {quantity(mass, 'kg')}" if mass else ""
     line += f", with the file in {unit}{' (--unit)' * (arguments.unit is None)}"
-    return {"line": line, "warnings": warnings, "unit": unit, "scale": scale, "size": look.size, "volume": first.volume, "mass": mass,
-            "density": density}
+    return {"line": line, "warnings": warnings, "unit": unit, "scale": scale, "size": look.size,
+            "volume": first.volume, "mass": mass, "density": density}
 
 
 def by(size):
