@@ -34,7 +34,7 @@ class PlanTest(FabseqTest):
         lines = self.plan("--optimize", "--post", "gcode")
         self.assertEqual([line.split()[1].rstrip(":") for line in lines[:7]],
                          ["part", "orientation", "holes", "layers", "build", "drawing", "paths"], lines)
-        self.assertRegex(lines[-1], r"plan\.html: Weld this: guided.*mm, .*buildable.*; in \d+ s")
+        self.assertRegex(lines[-1], r"plan\.html: (Weld this|Not to be welded).*: guided.*mm, .*buildable.*; in \d+ s")
         with open(self.path_of("plan/plan.json"), encoding="utf-8") as file:
             record = json.load(file)
         titles = [row["title"] for row in record["rows"]]
@@ -46,7 +46,7 @@ class PlanTest(FabseqTest):
         self.assertTrue(all(layer["pause"] is None or layer["pause"] >= 0 for layer in record["layers"]))
         with open(self.path_of("plan/plan.html"), encoding="utf-8") as file:
             page = file.read()
-        for words in ("Weld this", "spread, mm", "<svg", "data:image/png", "compensated.stl"):
+        for words in ("guided, compensated drawing", "spread, mm", "<svg", "data:image/png", "compensated.stl"):
             self.assertIn(words, page)
         for name in ("report.html", "compensated.stl", "arm.json", "paths/gcode", "paths/paths.csv"):
             self.assertTrue(os.path.exists(self.path_of(f"plan/{name}")), name)
