@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Runs all tests, those that sanitizers have once more with them, and clang-tidy on all sources. Where all pass, and the
-# tree is that of a commit, .ci/full_run says so.
+# Runs all tests, those that sanitizers have once more with them, clang-tidy on all sources and, as root with debootstrap and
+# buildah, what people install who do not build (scripts/package/try_install.sh). Where all pass, and the tree is that of a
+# commit, .ci/full_run says so.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 source scripts/environment.sh
@@ -23,6 +24,11 @@ tidy=$!
 bash scripts/test.sh --preset sanitizers -R . || status=1
 wait $tidy || { cat "$tidy_log"; status=1; }
 ((status == 0)) || exit $status
+if [[ -n $commit ]] && ((EUID == 0)) && command -v debootstrap >/dev/null && command -v buildah >/dev/null; then
+  bash scripts/package/try_install.sh
+else
+  echo "package and container are not tried: that needs a commit, root, debootstrap and buildah"
+fi
 echo "all tests, all with sanitizers, clang-tidy: passed after $((SECONDS / 60)) min"
 if is_committed; then
   printf '%s passed all of scripts/test.sh --all on %s, in %d min on %d cores\n' "$commit" "$(date -u +%F)" $((SECONDS / 60)) \
