@@ -24,16 +24,13 @@ in_store() { buildah --root "$folder/store" --runroot "$folder/run" --storage-dr
 
 stage "a bare Debian 12"
 tree=$folder/debian
-mirror=$(cat /etc/apt/sources.list.d/debian.sources /etc/apt/sources.list 2>/dev/null |
-  awk '/^URIs:/ || /^deb / {print $2; exit}')
+sources=/etc/apt/sources.list.d/debian.sources
+[[ -s $sources ]] || sources=/etc/apt/sources.list
+mirror=$(awk '/^URIs:/ || /^deb / {print $2; exit}' "$sources")
 quietly debootstrap --variant=minbase bookworm "$tree" "$mirror"
 cp -r /etc/apt/apt.conf.d "$tree/etc/apt/"
-if [[ -s /etc/apt/sources.list.d/debian.sources ]]; then
-  cp /etc/apt/sources.list.d/debian.sources "$tree/etc/apt/sources.list.d/"
-  rm -f "$tree/etc/apt/sources.list"
-else
-  cp /etc/apt/sources.list "$tree/etc/apt/"
-fi
+rm -f "$tree/etc/apt/sources.list"
+cp --parents "$sources" "$tree/"
 if [[ -d /etc/ssl/certs ]]; then mkdir -p "$tree/etc/ssl" && cp -rL /etc/ssl/certs "$tree/etc/ssl/"; fi
 
 stage "the Containerfile"

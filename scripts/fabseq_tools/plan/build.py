@@ -5,6 +5,8 @@ alternative."""
 import argparse
 import dataclasses
 
+import numpy as np
+
 from fabseq_tools.plan.configs import full_config
 from fabseq_tools.plan.layers import length
 from fabseq_tools.plan.watched import Watched
@@ -31,10 +33,10 @@ def build(steps, placed, chosen):
                                  program=arguments.program, rest=arguments.rest)
     with Watched(options.output) as progress:
         rows = Rows(Comparison(Rounds(options), judging=heat_of(steps, placed), say=progress.say))
-        built = rows.chosen(chosen["chosen"])
+        built = rows.chosen(chosen["chosen"], chosen["rows"])
         if "reason" in built:
             raise RunError(f"{built['layers']}: {built['reason']}")
-        planar, other = rows.planar(), rows.alternative(built, chosen["simplest"])
+        planar, other = rows.planar(), rows.alternative(built, chosen["simplest"], chosen["rows"])
     line = f"{built['layers']}, {made.found.elements:,} elements: {quantity(length(built), 'mm')}, {built['verdict']}"
     other = None if other and other["folder"] in (planar["folder"], built["folder"]) else other
     rival = other or planar
@@ -59,14 +61,15 @@ class Rows:
         self.comparison, self.families = comparison, comparison.families
         self.height = heights_of(comparison.rounds.run(*self.families.one_layer().run()))
 
-    def chosen(self, row):
-        """The layers of a row of the fourth step."""
+    def chosen(self, row, rows):
+        """The layers of one of the fourth step's rows."""
         if row["folder"] == "planar":
             return self.planar()
         if "direction" in row:
             return self.tilted(row["layers"], row["direction"])
         name, count = row["folder"].rpartition("_")[::2]
-        return self.row(self.families.multi_planar(int(count), self.families.up) if name else self.families.guided())
+        lean = next((np.array(other["direction"]) for other in rows if "direction" in other), self.families.up)
+        return self.row(self.families.multi_planar(int(count), lean) if name else self.families.guided())
 
     def planar(self):
         up = self.families.up
@@ -75,7 +78,7 @@ class Rows:
     def tilted(self, label, direction):
         return self.row(self.families.planar(label, "tilted", direction, self.height(direction)))
 
-    def alternative(self, built, simplest):
+    def alternative(self, built, simplest, rows):
         """What the run of optimized layers has found best beside them, or else the best of the fourth step
         that nobody has to optimize."""
         best = answer(Run(built["run"], with_fields=False, simulations=True)).get("best_alternative") or {}
@@ -84,7 +87,7 @@ class Rows:
             return self.tilted(best["title"], read_json(built["run"], "summary.json")[block]["direction"])
         if block in CURVED:
             return self.row(dataclasses.replace(self.families.guided(), label=best["title"], name="even", task="simulate"))
-        return self.chosen(simplest)
+        return self.chosen(simplest, rows)
 
     def row(self, family):
         """With hours, mass, and the folders: `run` of the optimization, `judged` of the simulation of its

@@ -12,6 +12,7 @@ from fabseq_tools.run.machine import keys_of_machine, machine_of
 from fabseq_tools.run.words import duration
 
 FILE = "steps.json"
+SHORT = 0.5  # seconds: what takes less goes without a word
 UNIT = "mm"  # of all lengths of a plan
 LEFT_OUT = "part", "machine", "output", "yes", "ranks", "program", "rest"  # options that change no result, or stand as contents
 
@@ -42,12 +43,12 @@ class Steps:
             found, took = kept["found"], "as before"
         else:
             found = work(self, *given)
-            took = duration(time.monotonic() - began)
+            took = duration(time.monotonic() - began) if time.monotonic() - began >= SHORT else ""
             self.kept[name] = {"asked": self.asked, "found": found, "seconds": time.monotonic() - began}
             write_json(self.path(FILE), self.kept)
         self.asked = digest([self.asked, found])
         self.found[name] = found
-        print(f"{len(self.found)} {name}: {found['line']} ({took})", flush=True)
+        print(f"{len(self.found)} {name}: {found['line']}{f' ({took})' * bool(took)}", flush=True)
         for text in found.get("warnings", []):
             warn("plan", text)
         return found
