@@ -63,8 +63,8 @@ class LaneCg {
   /// Solves K u = f in the first `lanes` lanes; the others of `load` are ignored. Vectors as LaneOperator's,
   /// `load` is overwritten. Throws Stopped, on all ranks in the same iteration, if one was asked to stop.
   std::vector<LaneOutcome> solve(LaneArray& load, LaneArray& solution, int lanes, const LaneStop& stop);
-  /// The same from a first guess, which `solution` holds; 0 in a lane: none. `smallest`: what is known of the
-  /// smallest eigenvalues of M K, at most 1: a few steps tell little of them.
+  /// The same from a multiple of a first guess, which `solution` holds; 0 in a lane: none. `smallest`: what
+  /// is known of the smallest eigenvalues of M K, at most 1: a few steps tell little of them.
   std::vector<LaneOutcome> improve(LaneArray& load, LaneArray& solution, int lanes, const LaneStop& stop,
                                    const Scalars& smallest);
 
@@ -80,6 +80,7 @@ class LaneCg {
   std::vector<LaneOutcome> solve_from(Progress& progress, LaneArray& load, LaneArray& solution, int lanes,
                                       const LaneStop& stop);
   Scalars start(Progress& progress, LaneArray& load, LaneArray& solution, int lanes);
+  void take_guess(LaneArray& guess, LaneArray& residual);
   void subtract_image(const LaneArray& vector, LaneArray& residual);
   void iterate(Progress& progress, LaneArray& residual, LaneArray& solution, const LaneStop& stop);
   void precondition(const LaneArray& residual);

@@ -112,8 +112,7 @@ LaneScalars<Width> LaneCg<Problem, Width>::start(Progress& progress, LaneArray& 
   if constexpr (Problem::own_operators) {
     if (progress.guessed) {
       multiply(solution, scales);
-      matrix_->clear_held(solution.data());
-      subtract_image(solution, load);
+      take_guess(solution, load);
     }
     if (!islands_.empty()) {
       corrected_.assign(load.size(), 0.0);
@@ -126,6 +125,23 @@ LaneScalars<Width> LaneCg<Problem, Width>::start(Progress& progress, LaneArray& 
   }
   std::copy(load.begin(), load.end(), rounded_residual_.begin());
   return scales;
+}
+
+/// Multiplies the guess of each lane by the factor that leaves the least energy of its error, so that no
+/// guess is worse than zero: loads may have changed by far, or have vanished. residual -= K guess
+template <class Problem, int Width>
+void LaneCg<Problem, Width>::take_guess(LaneArray& guess, LaneArray& residual) {
+  matrix_->clear_held(guess.data());
+  std::array<Scalars, 2> sums{matrix_->dot(guess.data(), residual.data()),
+                              matrix_->apply(guess.data(), image_.data())};
+  sum_in_place(matrix_->level().comm, std::span<double>(sums.front().data(), 2 * Width));
+  const auto& [work, energy] = sums;
+  Scalars factors;
+  for (int lane = 0; lane < Width; ++lane)
+    factors[lane] = energy[lane] > 0.0 ? work[lane] / energy[lane] : 0.0;
+  multiply(guess, factors);
+  multiply(image_, factors);
+  for (std::size_t i = 0; i < residual.size(); ++i) residual[i] -= image_[i];
 }
 
 /// residual -= K vector

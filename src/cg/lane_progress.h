@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <span>
 
 namespace fabseq {
@@ -22,7 +23,7 @@ struct LaneProgress {
   bool guessed = false;  ///< whether the solution begins with a guess
   std::array<bool, Width> active{};
   Scalars known_smallest = ones();  ///< of the eigenvalues of M K, before the first step
-  Scalars start{};                  ///< |M f|^2; with a guess |u|^2 of that
+  Scalars start{};                  ///< |M f|^2; infinite with a guess
   Scalars length{};                 ///< |u|^2, this rank's part
   Scalars decrease{};               ///< r . M r of the last step
   Scalars energy{};                 ///< p . K p of the last step
@@ -60,8 +61,10 @@ void LaneProgress<Width>::judge(const Scalars& size, const Scalars& length_of_al
     if (!active[lane]) continue;
     // At the start there is nothing but the rigid motions of islands, which are part of M f.
     const bool has_guess = guessed && length_of_all[lane] > 0.0;
-    if (iteration == 0) start[lane] = (has_guess ? 0.0 : size[lane]) + length_of_all[lane];
-    const double reference = iteration == 0 ? start[lane] : std::min(start[lane], length_of_all[lane]);
+    if (iteration == 0)
+      start[lane] = has_guess ? std::numeric_limits<double>::infinity() : size[lane] + length_of_all[lane];
+    const bool compares_start = iteration == 0 && !has_guess;
+    const double reference = compares_start ? start[lane] : std::min(start[lane], length_of_all[lane]);
     LaneOutcome& of_lane = outcome[lane];
     of_lane.iterations = iteration;
     of_lane.finite = std::isfinite(size[lane]);
