@@ -144,14 +144,24 @@ Json to_record(const ConstraintMiss& miss) {
                        {"words", miss.words}});
 }
 
+namespace {
+
+Json to_records(const std::vector<TriedDirection>& directions) {
+  Json result = Json::array();
+  for (const auto& [direction, tilt, length, build_class] : directions)
+    result.push_back(Json::object(
+        {{"direction", direction}, {"tilt", tilt}, {"length", length}, {"class", name_of(build_class)}}));
+  return result;
+}
+
+}  // namespace
+
 void add_directions(Json& record, const Baseline& baseline) {
   if (baseline.direction.empty()) return;
-  Json tried = Json::array();
-  for (const auto& [direction, tilt, length, build_class] : baseline.tried)
-    tried.push_back(Json::object(
-        {{"direction", direction}, {"tilt", tilt}, {"length", length}, {"class", name_of(build_class)}}));
   record["direction"] = baseline.direction;
-  record["scan"] = Json::object({{"elements", baseline.tried_on}, {"directions", tried}});
+  record["scan"] =
+      Json::object({{"elements", baseline.tried_on}, {"directions", to_records(baseline.tried)}});
+  if (!baseline.finalists.empty()) record["scan"]["finalists"] = to_records(baseline.finalists);
 }
 
 }  // namespace fabseq

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/tasks/baselines.h"
 
+#include "fabseq/base/error.h"
 #include "fabseq/base/formatted.h"
 #include "fabseq/base/session.h"
 #include "fabseq/base/stop.h"
@@ -23,20 +24,32 @@ namespace {
 
 /// Tilt of the directions to try where the machine has no limit, degrees.
 constexpr double usual_tilt = 60.0;
+/// How closely directions are solved for that are only compared: to a tenth of a percent.
+constexpr SolveTolerance for_comparison{.value = 1e-3, .reach = 1.0, .flow = 1e-3};
+/// Directions that are tried on the grid of a run once all were on a coarser one.
+constexpr std::size_t most_finalists = 3;
 /// Seconds without a line on the terminal.
 constexpr double longest_silence = 4.0;
 
 /// Simulates, and judges by real layers where there are any.
 template <int Dim>
 SequenceReport simulated(const Setup<Dim>& setup, const Problem<Dim>& problem, PseudoTime<Dim> time,
-                         const LayerModel<Dim>& layers, const BeadChecks<Dim>* beads, PhaseTimer& timer) {
+                         const LayerModel<Dim>& layers, const BeadChecks<Dim>* beads, PhaseTimer& timer,
+                         const SolveTolerance& tolerance) {
   Pipeline<Dim> pipeline(setup, std::make_unique<GivenSequence<Dim>>(std::move(time)), layers,
                          setup.config.solver.finest_tolerance(), timer);
-  pipeline.set_tolerances(Tolerances::all(setup.config.solver.tolerance_of_reports()));
+  pipeline.set_tolerances(Tolerances::all(tolerance));
   const auto state = pipeline.run({}, 0.0, true);
   SequenceReport report = report_sequence(setup, problem, pipeline, state);
   if (beads) beads->judge(*state.time, state.densities->count(), report);
   return report;
+}
+
+template <int Dim>
+SequenceReport simulated(const Setup<Dim>& setup, const Problem<Dim>& problem, PseudoTime<Dim> time,
+                         const LayerModel<Dim>& layers, const BeadChecks<Dim>* beads, PhaseTimer& timer) {
+  return simulated(setup, problem, std::move(time), layers, beads, timer,
+                   setup.config.solver.tolerance_of_reports());
 }
 
 /// Mean of the layers by volume; none where their thickness is not defined.
@@ -80,8 +93,16 @@ class BaselineMaker {
 
   std::optional<Baseline> tilted() const {
     Baseline result{"baseline_tilted", "", "tilted/", {}};
-    result.tried = try_directions(result.tried_on);
-    const TriedDirection& best = *std::min_element(result.tried.begin(), result.tried.end(), better);
+    if (const auto coarse = coarse_grid()) {
+      const Problem<Dim> problem(coarse->setup(), setup_.config.optimizer.constraint_margin);
+      result.tried = BaselineMaker(*this, coarse->setup(), problem).try_directions(result.tried_on);
+      result.finalists = finalists_of(result.tried);
+    } else {
+      result.tried = try_directions(result.tried_on);
+      settle_best(result.tried);
+    }
+    const auto& chosen_from = result.finalists.empty() ? result.tried : result.finalists;
+    const TriedDirection& best = *std::min_element(chosen_from.begin(), chosen_from.end(), better);
     result.direction = best.direction;
     result.title = formatted("planar at %.3g degrees", best.tilt);
     result.numbers = planar(best.direction, beads_);
@@ -108,18 +129,20 @@ class BaselineMaker {
     return simulated(setup_, problem_, planar_time(setup_.part, direction), *layers_of(count), beads, timer_);
   }
   SequenceReport planar(const std::vector<double>& direction, const BeadChecks<Dim>* beads) const {
+    return planar(direction, count_along(direction), beads);
+  }
+  int count_along(const std::vector<double>& direction) const {
     const double height = planar_height(setup_.part, direction);
-    return planar(direction, count_for(height, setup_.layers->planar_count(height)), beads);
+    return count_for(height, setup_.layers->planar_count(height));
   }
 
-  /// All directions within the machine's tilt, on the coarse grid of a run that begins on one. Simulated
-  /// layers are judged: real ones would take longer than their simulation.
-  std::vector<TriedDirection> try_directions(std::vector<int>& elements) const {
-    if (setup_.config.optimizer.coarse_iterations == 0) return try_directions_here(elements);
-    const CoarseGrid<Dim> coarse(setup_);
-    const Problem<Dim> problem(coarse.setup(), setup_.config.optimizer.constraint_margin);
-    BaselineMaker maker(*this, coarse.setup(), problem);
-    return maker.try_directions_here(elements);
+  /// Half the resolution; none where the part or its plate leave none.
+  std::optional<CoarseGrid<Dim>> coarse_grid() const {
+    try {
+      return CoarseGrid<Dim>(setup_);
+    } catch (const InputError&) {
+      return std::nullopt;
+    }
   }
   BaselineMaker(const BaselineMaker& fine, const Setup<Dim>& setup, const Problem<Dim>& problem)
       : setup_(setup),
@@ -128,28 +151,61 @@ class BaselineMaker {
         used_layers_(fine.used_layers_),
         timer_(fine.timer_) {}
 
-  std::vector<TriedDirection> try_directions_here(std::vector<int>& elements) const {
+  SolveTolerance closest() const { return setup_.config.solver.tolerance_of_reports(); }
+  SolveTolerance coarsest() const {
+    return closest().value < for_comparison.value ? for_comparison : closest();
+  }
+
+  /// All directions within the machine's tilt, solved for coarsely. Simulated layers are judged: real ones
+  /// would take longer than their simulation.
+  std::vector<TriedDirection> try_directions(std::vector<int>& elements) const {
     const double limit = setup_.config.tool.max_tilt;
-    const bool released = any_measures_release(setup_.config.objective);
     const auto directions = tilted_directions<Dim>(setup_.part.plate(), limit < 90.0 ? limit : usual_tilt);
     std::vector<TriedDirection> result;
     print("planar layers in " + std::to_string(directions.size()) + " directions, for comparison");
     double said = MPI_Wtime();
     for (const auto& [direction, tilt] : directions) {
-      stop_if_requested(setup_.world());
       if (MPI_Wtime() - said > longest_silence) {
         print("  direction " + std::to_string(result.size() + 1) + " of " +
               std::to_string(directions.size()));
         said = MPI_Wtime();
       }
-      std::vector<double> components(direction.begin(), direction.end());
-      const SequenceNumbers numbers = planar(components, nullptr);
-      result.push_back({std::move(components), tilt, numbers.finished->deviation(released).skin.rms,
-                        numbers.verdict->build_class});
+      result.push_back({{direction.begin(), direction.end()}, tilt});
+      try_direction(result.back(), coarsest());
     }
     const Index<Dim>& of_grid = setup_.grid.domain().elements;
     elements.assign(of_grid.begin(), of_grid.end());
     return result;
+  }
+
+  void try_direction(TriedDirection& tried, const SolveTolerance& tolerance) const {
+    stop_if_requested(setup_.world());
+    const std::vector<double>& direction = tried.direction;
+    const BeadChecks<Dim>* none = nullptr;
+    const SequenceNumbers numbers = simulated(setup_, problem_, planar_time(setup_.part, direction),
+                                              *layers_of(count_along(direction)), none, timer_, tolerance);
+    tried.length = numbers.finished->deviation(any_measures_release(setup_.config.objective)).skin.rms;
+    tried.build_class = numbers.verdict->build_class;
+  }
+
+  /// The best of those that were tried on the coarse grid, tried again.
+  std::vector<TriedDirection> finalists_of(std::vector<TriedDirection> tried) const {
+    std::ranges::stable_sort(tried, better);
+    tried.resize(std::min(most_finalists, tried.size()));
+    for (TriedDirection& finalist : tried) try_direction(finalist, closest());
+    return tried;
+  }
+
+  /// Solves again for the best of those that were solved for coarsely, until it is one that was solved for as
+  /// closely as reports are.
+  void settle_best(std::vector<TriedDirection>& tried) const {
+    std::vector<bool> settled(tried.size(), coarsest().value == closest().value);
+    for (;;) {
+      const auto best = std::min_element(tried.begin(), tried.end(), better);
+      if (settled[best - tried.begin()]) return;
+      try_direction(*best, closest());
+      settled[best - tried.begin()] = true;
+    }
   }
 
   const Setup<Dim>& setup_;

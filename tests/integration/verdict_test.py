@@ -136,17 +136,26 @@ class VerdictTest(FabseqTest):
         self.assertIn("% of the part, smoothly counted, allowed at most 0.1 %", missed["words"])
 
     def test_tilted_and_even_layers(self):
-        for options, elements in ((("-coarse_iterations", 2), [8, 2, 6]), ((), [16, 4, 12])):
-            run, summary = self.summary_of(CRANE, "-max_iterations", 2, *options)
+        def key(entry):
+            return CLASSES.index(entry["class"]), entry["length"]
+
+        thin = {**CRANE, "domain": {**CRANE["domain"], "elements": [16, 3, 12]}}  # too few elements to be halved
+        for config, options, elements in ((CRANE, ("-coarse_iterations", 2), [8, 2, 6]), (CRANE, (), [8, 2, 6]),
+                                          (thin, (), [16, 3, 12])):
+            run, summary = self.summary_of(config, "-max_iterations", 2, *options)
             tilted, tried = summary["baseline_tilted"], summary["baseline_tilted"]["scan"]["directions"]
             self.assertEqual(tilted["scan"]["elements"], elements)
             self.assertEqual(len(tried), 1 + 4 * 8)  # by 15 degrees up to 60
-            best = min(tried, key=lambda entry: (CLASSES.index(entry["class"]), entry["length"]))
+            finalists = tilted["scan"].get("finalists", [])
+            self.assertEqual([one["direction"] for one in sorted(tried, key=key)[:len(finalists)]],
+                             [one["direction"] for one in finalists])
+            self.assertEqual(len(finalists), 0 if config is thin else 3)
+            best = min(finalists or tried, key=key)
             self.assertEqual(tilted["direction"], best["direction"])
+            self.assertAlmostEqual(best["length"], tilted["finished"]["released"]["skin"]["rms"])
             np.testing.assert_allclose([np.degrees(np.arccos(t["direction"][2])) for t in tried], [t["tilt"] for t in tried],
                                        atol=1e-6)
             self.assertAlmostEqual(tilted["checks"]["tilt"]["largest"], best["tilt"])
-        self.assertAlmostEqual(next(t["length"] for t in tried if t == best), tilted["finished"]["released"]["skin"]["rms"])
         even, layers = summary["baseline_even"], summary["binary"]["layers"]
         thickness = np.average([layer["thickness"] for layer in layers], weights=[layer["volume"] for layer in layers])
         self.assertLess(abs(even["checks"]["local_thickness"]["least"] / thickness - 1), 0.3)

@@ -30,6 +30,8 @@ struct Baseline {
   std::vector<double> direction = {};      ///< of tilted planar layers, of length 1; else empty
   std::vector<TriedDirection> tried = {};  ///< all that it was chosen from
   std::vector<int> tried_on = {};          ///< elements of the grid that they were tried on, [axis]
+  /// The best of these on the run's own grid, which it was chosen from then; empty: all were tried there.
+  std::vector<TriedDirection> finalists = {};
 };
 
 /// The best design's sequence, with the layers it was optimized with and with binary ones; and what it is

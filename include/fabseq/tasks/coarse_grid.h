@@ -20,8 +20,9 @@ namespace fabseq {
 template <int Dim>
 class CoarseGrid {
  public:
-  /// `fine`: config.optimizer.coarse_iterations > 0. Collective on its world; throws InputError, which names
-  /// that key, where the part, its plate or its design leave no coarse problem.
+  /// `fine`: its config.optimizer.coarse_iterations are shared out, if there are any. Collective on its
+  /// world; throws InputError, which names that key, where the part, its plate or its design leave no coarse
+  /// problem.
   explicit CoarseGrid(const Setup<Dim>& fine);
 
   const Setup<Dim>& setup() const { return *setup_; }
