@@ -7,7 +7,7 @@ namespace fabseq {
 Section<SolverSettings> solver_keys() {
   using Its = SolverSettings;
   return Section<Its>("solver", "Linear solver")
-      .key("tolerance", &Its::tolerance, "Preconditioned residual of every solve; auto: from 1e-3 to 1e-6",
+      .key("tolerance", &Its::tolerance, "Preconditioned residual of every solve; auto: from 1e-2 to 1e-6",
            {.range = "(0, 1)", .words = "auto", .option = "-tolerance"})
       .key("path", &Its::path, "Eight layers at once (lanes), or PETSc's solvers, one at a time (reference)",
            {.words = "lanes reference", .option = "-solver_path"})

@@ -85,8 +85,8 @@ class SameBytesTest(RestartTest):
         """Whatever decides how closely the next iteration is solved is in the checkpoint."""
         tolerances = [line["tolerance"] for line in self.run_config(
             1, plate_2d(), "-tolerance", "auto", "-max_iterations", 10).history()]
-        self.assertLessEqual(tolerances[0], 1e-3)
-        self.assertGreater(tolerances[0], 1e-4)
+        self.assertLessEqual(tolerances[0], 1e-2)
+        self.assertGreater(tolerances[0], 1e-3)
         self.assertEqual(tolerances[-1], 1e-6)
 
     def test_released_from_clamps(self):

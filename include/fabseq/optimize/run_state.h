@@ -12,8 +12,8 @@
 namespace fabseq {
 
 /// The tolerances of an iteration's solves that its step allows (docs/developer/optimizer.md 9.4): the errors
-/// of the objective shall be a small share of what the step changes, those of gradients less than a percent,
-/// and those of values that iterates are compared by a fraction of a percent; from 1e-3 to the finest.
+/// of displacements shall be a share of what the step changes, those of gradients a percent or two, and those
+/// of values that iterates are compared by a fraction of a percent; from 1e-2 to the finest.
 ///
 /// \param move_limit largest step of a variable, as a share of its range
 /// \param share_left of the first distortion, a sum of squares, from 0 to 1. What is left by cancellation has

@@ -25,7 +25,7 @@ constexpr double smallest_tolerance = 1e-13;
 
 /// Elasticity is solved to a run's tolerance, and so are the adjoints of sequences. The sequence's heat
 /// equation itself is solved a thousand times closer: its error enters all others. The steps of the part's
-/// temperature and their adjoints are solved ten times closer: many follow each other.
+/// temperature and their adjoints are solved ten times closer, at least to 1e-4: many follow each other.
 constexpr SolveTolerance elasticity_tolerance(const SolveTolerance& of_run) {
   return {std::max(of_run.value, smallest_tolerance), of_run.reach, of_run.flow, of_run.warm};
 }
@@ -34,7 +34,7 @@ constexpr SolveTolerance sequence_tolerance(const SolveTolerance& of_run) {
 }
 constexpr SolveTolerance step_tolerance(const SolveTolerance& of_run) {
   // Closer than that, steps on a region of two ranks were seen to end in no progress.
-  return {std::max(0.1 * of_run.value, 3.0 * smallest_tolerance), of_run.reach};
+  return {std::clamp(0.1 * of_run.value, 3.0 * smallest_tolerance, 1e-4), of_run.reach};
 }
 
 }  // namespace fabseq
