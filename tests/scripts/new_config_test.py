@@ -36,6 +36,7 @@ class NewConfigTest(NewConfigCase):
         self.assertEqual([one["type"] for one in config["objective"]], ["distortion"])
         self.assertEqual(config["baseline"], {"direction": "best"})
         self.assertEqual(config["projection"], {"interval": 13})
+        self.assertEqual(config["solver"], {"tolerance": "auto"})
         self.assertIn("domain: {\"element\": 2.0, \"unit\": \"mm\"}: Edge of an element: a quarter of a layer of 8 mm.", printed)
         command = printed.splitlines()[-2]
         done = subprocess.run(["bash", "-c", command.replace(" -picture", "")], capture_output=True, text=True, check=False,
