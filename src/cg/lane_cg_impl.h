@@ -107,6 +107,7 @@ LaneScalars<Width> LaneCg<Problem, Width>::start(Progress& progress, LaneArray& 
     if (lane >= lanes) continue;
     progress.active[lane] = Problem::own_operators ? positive_[lane] : positive_[0];
     progress.outcome[lane].residual = 1.0;
+    if constexpr (Problem::own_operators) progress.outcome[lane].has_islands = islands_.count(lane) > 0;
   }
   multiply(load, scales);
   if constexpr (Problem::own_operators) {

@@ -49,7 +49,7 @@ struct LaneProgress {
   }
   double smallest(int lane) const { return std::min(known_smallest[lane], spectrum[lane].smallest()); }
   double bound(int lane, const LaneStop& stop) const {
-    return stop.tolerance * std::min(1.0, stop.error_factor * smallest(lane));
+    return stop.tolerance_of(outcome[lane].has_islands) * std::min(1.0, stop.error_factor * smallest(lane));
   }
 };
 

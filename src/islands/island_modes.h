@@ -42,6 +42,8 @@ class IslandModes {
   using Known = std::vector<std::shared_ptr<const IslandMotions<dim>>>;
 
   bool empty() const { return most_ == 0; }
+  /// Islands of a lane.
+  int count(int lane) const { return lanes_[lane] ? lanes_[lane]->count : 0; }
   Known known() const { return {lanes_.begin(), lanes_.end()}; }
   /// Takes over what known() has returned for the very same operators. Not collective.
   void take(const Known& known) {

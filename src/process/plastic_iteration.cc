@@ -3,10 +3,12 @@
 
 #include "fabseq/base/error.h"
 #include "fabseq/base/formatted.h"
+#include "fabseq/base/mpi.h"
 #include "process/anderson.h"
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace fabseq {
 
@@ -14,15 +16,16 @@ namespace {
 
 constexpr std::size_t depth = 5;  ///< of Anderson's method
 constexpr int most_sweeps = 300;  ///< over a wave
+/// Closeness where one step is too little: it hardly moves a piece that hangs in what is not built yet, and
+/// sweeps would end because of that.
+constexpr double closer = 0.01;
 /// Closeness of the solves of a sweep: within reach of it from the start, so that each takes one step,
-/// unmeasured. Closer ones save no sweeps (docs/developer/experiments.md).
-constexpr SolveTolerance one_step{0.5, 4.0};
+/// unmeasured, but where pieces hang. Closer ones save no sweeps (docs/developer/experiments.md).
+constexpr SolveTolerance one_step{.value = 0.5, .reach = 4.0, .of_islands = closer};
 /// The same of the release, which has no reach.
 constexpr double of_release = 0.3;
-/// Sweeps after which solves are this close: one step hardly sees a piece that hangs in what is not built
-/// yet.
+/// Sweeps after which all solves are closer.
 constexpr int patience = 30;
-constexpr double closer = 0.01;
 
 }  // namespace
 
@@ -67,6 +70,7 @@ void PlasticIteration::set_weights(std::span<const double> stiffness) {
 void PlasticIteration::correct(LaneVector& forces, bool adjoint, LaneVector& step) {
   const int lanes = wave_.lanes(systems_.groups().index());
   resize(step, static_cast<int>(systems_.model().nodes.size()), 3, lanes);
+  hangs_.assign(static_cast<std::size_t>(lanes), 0);
   systems_.groups().run([&] {
     if (lanes == 0) return;
     LaneVector solution;
@@ -75,7 +79,11 @@ void PlasticIteration::correct(LaneVector& forces, bool adjoint, LaneVector& ste
       solution.values = adjoint ? release_->adjoint(forces.values) : release_->displacement(forces.values);
     } else {
       for (double& force : forces.values) force = -force;
-      systems_.solve_current(*wave_.block, forces, solution, adjoint ? "adjoint" : "forward");
+      const auto reports =
+          systems_.solve_current(*wave_.block, forces, solution, adjoint ? "adjoint" : "forward");
+      std::ranges::transform(reports, hangs_.begin(), [](const SolveReport& report) {
+        return static_cast<char>(report.has_islands ? 1 : 0);
+      });
     }
     pick(solution, systems_.model().nodes, step);
   });
@@ -86,8 +94,38 @@ void PlasticIteration::set_tolerance(const SolveTolerance& of_steps, double rele
   if (release_ != nullptr) release_->set_tolerance(release);
 }
 
+/// Weights for adjoints, if pieces hang in a step; empty: those of the wave. What moves such a piece is 1e5
+/// times as large as the adjoints of other steps, whose changes would not count beside it: the step is to
+/// count as much as the largest of the others in the wave, or as those so far do on average.
+std::vector<float> PlasticIteration::leveled_weights(const LaneVector& unknowns,
+                                                     const LaneVector& step) const {
+  const MPI_Comm world = systems_.groups().world();
+  const bool hangs = std::ranges::find(hangs_, 1) != hangs_.end();
+  if (max(world, hangs ? 1.0 : 0.0) == 0.0) return {};
+  const auto lanes = static_cast<std::size_t>(step.lanes);
+  std::vector<double> squares(2 * lanes, 0.0);
+  for (std::size_t i = 0; i < step.values.size(); ++i) {
+    const double weight = weights_[i];
+    squares[i % lanes] += weight * unknowns.values[i] * unknowns.values[i];
+    squares[lanes + i % lanes] += weight * step.values[i] * step.values[i];
+  }
+  sum_in_place(systems_.model().part.grid().comm(), std::span<double>(squares));
+  double largest = steps_ > 0 ? square_ / steps_ : 0.0;
+  for (std::size_t lane = 0; lane < lanes; ++lane) {
+    squares[lane] = std::max(squares[lane], squares[lanes + lane]);
+    if (hangs_[lane] == 0) largest = std::max(largest, squares[lane]);
+  }
+  largest = max(world, largest);
+  std::vector<float> result = weights_;
+  for (std::size_t i = 0; largest > 0.0 && i < result.size(); ++i)
+    if (const std::size_t lane = i % lanes; hangs_[lane] != 0 && squares[lane] > largest)
+      result[i] = static_cast<float>(result[i] * (largest / squares[lane]));
+  return result;
+}
+
 int PlasticIteration::solve(LaneVector& unknowns, const Forces& forces, bool adjoint, double change) {
-  Anderson anderson(systems_.groups().world(), depth, weights_);
+  std::vector<float> leveled;
+  std::optional<Anderson> anderson;
   LaneVector step;
   set_tolerance(one_step, of_release);
   for (int sweep = 1; sweep <= most_sweeps; ++sweep) {
@@ -97,11 +135,16 @@ int PlasticIteration::solve(LaneVector& unknowns, const Forces& forces, bool adj
       forces(unknowns, left);
       correct(left, adjoint, step);
     }
-    const Anderson::Norms norms = anderson.advance(unknowns.values, step.values);
+    if (!anderson) {
+      if (adjoint) leveled = leveled_weights(unknowns, step);
+      anderson.emplace(systems_.groups().world(), depth, leveled.empty() ? weights_ : leveled);
+    }
+    const Anderson::Norms norms = anderson->advance(unknowns.values, step.values);
     const double all_square = square_ + norms.x * norms.x;
     if (!std::isfinite(norms.step + norms.x)) break;
     if (norms.step > change * std::sqrt(all_square)) continue;
     square_ = all_square;
+    steps_ += wave_.count;
     return sweep;
   }
   throw NumericalError(formatted("%s: sweeps do not bring %s to changes of %g",

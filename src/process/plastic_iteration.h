@@ -33,7 +33,10 @@ class PlasticIteration {
   /// NumericalError if there would be too many.
   int solve(LaneVector& unknowns, const Forces& forces, bool adjoint, double change);
   /// Begins with the first wave: changes are relative to all unknowns from here on.
-  void start_over() { square_ = 0.0; }
+  void start_over() {
+    square_ = 0.0;
+    steps_ = 0;
+  }
 
  private:
   /// `stiffness`: of the wave, [element][lane].
@@ -41,6 +44,7 @@ class PlasticIteration {
   void scale(const BlockRegion& block, std::span<double> stiffness) const;
   void set_tolerance(const SolveTolerance& of_steps, double release);
   void correct(LaneVector& forces, bool adjoint, LaneVector& step);
+  std::vector<float> leveled_weights(const LaneVector& unknowns, const LaneVector& step) const;
 
   StepSystems<3>& systems_;
   Release<3>* release_;
@@ -48,7 +52,9 @@ class PlasticIteration {
   const MaterialCurves& curves_;
   PlasticWave wave_;
   std::vector<float> weights_;  ///< of the unknowns in products: the diagonal of the stiffness, about
+  std::vector<char> hangs_;     ///< whether stiff pieces hang in what is not built yet, by lane
   double square_ = 0.0;         ///< of the norm of the unknowns of all waves so far
+  int steps_ = 0;               ///< of all waves so far
 };
 
 }  // namespace fabseq

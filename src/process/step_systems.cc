@@ -185,12 +185,13 @@ std::vector<double> StepSystems<Dim>::set_operators(const LayerDensities& densit
 }
 
 template <int Dim>
-void StepSystems<Dim>::solve_current(std::size_t block, const LaneVector& load, LaneVector& solution,
-                                     const char* what) {
+std::vector<SolveReport> StepSystems<Dim>::solve_current(std::size_t block, const LaneVector& load,
+                                                         LaneVector& solution, const char* what) {
   const BlockRegion& region = blocks_[block];
   resize(solution, owned_nodes(), Dim, region.block.lanes);
-  const auto reports = solver_->solve({&load, 1}, {&solution, 1});
-  SolveCount(steps_.size()).add(reports.front(), region, what);
+  std::vector<SolveReport> reports = solver_->solve({&load, 1}, {&solution, 1}).front();
+  SolveCount(steps_.size()).add(reports, region, what);
+  return reports;
 }
 
 FABSEQ_INSTANTIATE_CLASS(StepSystems);

@@ -181,9 +181,10 @@ void LaneElasticity<Dim>::solve_again(const LaneVector& load, LaneVector& displa
 
 template <int Dim>
 void LaneElasticity<Dim>::set_tolerance(const SolveTolerance& tolerance) {
-  reference_settings_.tolerance = tolerance.value;
+  reference_settings_.tolerance = tolerance.smallest();
   stop_.tolerance = tolerance.value;
   stop_.reach = tolerance.reach;
+  stop_.of_islands = tolerance.of_islands;
   if (fallback_) fallback_->set_tolerance(tolerance);
 }
 

@@ -15,8 +15,8 @@ constexpr int lane_iterations = 300;
 inline SolveReport report_of(const LaneOutcome& outcome) {
   if (!outcome.finite)
     return {outcome.iterations, std::numeric_limits<double>::quiet_NaN(), false, "not a number"};
-  return {outcome.iterations, outcome.residual, outcome.converged,
-          outcome.converged ? "" : "iteration limit"};
+  return {outcome.iterations, outcome.residual, outcome.converged, outcome.converged ? "" : "iteration limit",
+          outcome.has_islands};
 }
 
 }  // namespace fabseq

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 /// Conjugate gradients in several lanes against known solutions: loads are sums over the elements one by one.
 #include "cg/lane_cg.h"
+#include "support/islands.h"
 #include "support/lane_physics.h"
 #include "support/masked_grid.h"
 
@@ -331,6 +332,28 @@ TYPED_TEST(LaneCgTest, AResidualWithinReachIsFollowedByOneStep) {
   }
   for (const LaneOutcome& outcome : solve(1e9)) EXPECT_EQ(outcome.iterations, 1);
   for (int lane = 0; lane < 4; ++lane) EXPECT_GT(test::largest(solver.whole(lane)), 0.0);
+}
+
+/// A lane with islands goes to a tolerance of its own, also when it goes on in a narrower solver; the others
+/// make one step.
+TEST(LaneCgOperatorTest, LanesWithIslandsHaveAToleranceOfTheirOwn) {
+  const auto islands = test::two_islands<3>();
+  const IndexBox<3> elements{{}, islands.elements};
+  const auto coefficient = [&](std::int64_t element, int lane) {
+    return lane == 1 ? islands.stiffness(elements.index(element)) : 1.0;
+  };
+  Solver<test::ElasticPhysics<3>, 4> solver({}, coefficient, PETSC_COMM_WORLD, test::masks<3>()[0],
+                                            islands.elements);
+  const LaneArray loads = solver.loads(4);
+  for (const double of_islands : {0.0, 1e-6}) {
+    const auto outcomes = solver.solve(loads, 4, {.tolerance = 0.5, .reach = 4.0, .of_islands = of_islands});
+    for (int lane = 0; lane < 4; ++lane) {
+      EXPECT_EQ(outcomes[lane].has_islands, lane == 1);
+      EXPECT_TRUE(lane == 1 || outcomes[lane].iterations == 1);
+    }
+    const double error = test::relative_difference(solver.whole(1), solver.expected(1));
+    EXPECT_EQ(error<1e-4, of_islands> 0.0) << error;
+  }
 }
 
 /// Lanes that need very different numbers of iterations: they go on in narrower and narrower solvers, with

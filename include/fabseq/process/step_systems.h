@@ -97,10 +97,11 @@ class StepSystems {
   /// if given.
   std::vector<double> set_operators(const LayerDensities& densities, std::size_t block, bool changed,
                                     const ScaleStiffness& scale = {});
-  /// Solves the current systems, those of `block`, for one right-hand side. Throws NumericalError naming the
-  /// layer if a system does not converge, as a solve of the kind `what`. Collective on the grid's
-  /// communicator.
-  void solve_current(std::size_t block, const LaneVector& load, LaneVector& solution, const char* what);
+  /// Solves the current systems, those of `block`, for one right-hand side. Returns how each ended. Throws
+  /// NumericalError naming the layer if a system does not converge, as a solve of the kind `what`. Collective
+  /// on the grid's communicator.
+  std::vector<SolveReport> solve_current(std::size_t block, const LaneVector& load, LaneVector& solution,
+                                         const char* what);
   /// Gives back the solver's memory if it is to save it, until the next set_operators(). Not collective.
   void save_memory() {
     if (solver_->saves_memory()) solver_->release_memory();

@@ -15,7 +15,11 @@ struct SolveTolerance {
   double flow = 0.0;
   /// Whether elastic solves begin with the last solutions of their kind, and leave theirs for the next.
   bool warm = false;
+  /// The value where stiff pieces hang in soft surroundings (LaneStop::of_islands); 0: the same. The
+  /// reference path, which looks for none, takes the smaller of both.
+  double of_islands = 0.0;
 
+  double smallest() const { return of_islands > 0.0 ? std::min(value, of_islands) : value; }
   /// Not below what rounding leaves.
   double flow_change() const { return flow > 0.0 ? flow : std::max(0.1 * value, 1e-11); }
 };

@@ -58,8 +58,8 @@ std::vector<std::vector<SolveReport>> ReferenceElasticity<Dim>::solve(std::span<
 
 template <int Dim>
 void ReferenceElasticity<Dim>::set_tolerance(const SolveTolerance& tolerance) {
-  settings_.tolerance = tolerance.value;
-  for (auto& [layer, system] : systems_) system->set_tolerance(tolerance.value);
+  settings_.tolerance = tolerance.smallest();
+  for (auto& [layer, system] : systems_) system->set_tolerance(settings_.tolerance);
 }
 
 /// Kept systems hold factorizations, estimates of eigenvalues, and whether their preconditioner was relaxed.
