@@ -47,7 +47,7 @@ class MovedPartTest(unittest.TestCase):
     def test_time_moves_along(self):
         """Exact at first, and of linear times under a linear map everywhere near the part."""
         part, built = self.part([0.3, 0.3, 0.3])
-        before = part.time()
+        before = part.time(part.places())
         x, y, z = node_coordinates(COUNTS, SIZE)
         self.assertEqual(len(part.drawn) - part.corner_count, ((abs(x - 1.5) < 1.01) & (abs(y - 1) < 0.76) & (z < 2.01)).sum())
         np.testing.assert_allclose(before[:12, 2:-2, 2:-2][built], part.fields["time"][part.fields["density"] > 0], rtol=1e-12)
@@ -59,7 +59,24 @@ class MovedPartTest(unittest.TestCase):
         near = np.all((abs(places - [1.5, 1.0, 1.0]) < [1.1, 0.8, 1.1]), axis=-1)
         expected = np.clip(0.2 + places @ SLOPE, *np.array([before.min(), before.max()]))
         self.assertGreater(near.sum(), built.sum())
-        np.testing.assert_allclose(part.time()[near], expected[near], atol=1e-5)
+        np.testing.assert_allclose(part.time(part.places())[near], expected[near], atol=1e-5)
+
+    def test_gradient_moves_along(self):
+        """Each element has that of its place in the drawing; beyond the part the nearest goes on."""
+        part, built = self.part([0.3, 0.3, 0.3])
+        own = np.zeros((*part.fields["density"].shape, 3))
+        x = np.broadcast_to(part.centre_axes[0], own.shape[:-1])
+        own[..., 0], own[..., 2] = np.sign(x - 1.5), 2.0
+        own[part.fields["density"] <= 0] = 7.0
+        part.fields["time_gradient"] = own
+        by = np.zeros(part.drawn.shape)
+        by[:, 0] = 0.25  # an element
+        part.move(by)
+        found = part.gradient(part.places())
+        places = x - 0.25
+        np.testing.assert_allclose(found[..., 2], 2.0)
+        np.testing.assert_allclose(found[..., 0], np.sign(places - 1.5))
+        np.testing.assert_allclose(np.linalg.norm(found[:12, 2:-2, 3:-1][built], axis=-1), np.sqrt(5.0))
 
     def test_points_on_the_plate_keep_their_height(self):
         part, _ = self.part([0.1, 0.1, 0.1])

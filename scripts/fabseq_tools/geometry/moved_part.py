@@ -6,6 +6,7 @@ import os
 
 import h5py
 import numpy as np
+from scipy.ndimage import distance_transform_edt
 
 from fabseq_tools.geometry.grid import element_edges, node_positions, nodes_of, origin_of
 from fabseq_tools.geometry.part_body import at_points, body_of, continued, drawn_surface
@@ -14,6 +15,7 @@ from fabseq_tools.geometry.vtk_data import poly_data
 from fabseq_tools.run.command_line import RunError
 from fabseq_tools.run.read_run import Run
 
+GRADIENT = "time_gradient"  # dataset
 ON_PLATE = 1e-3   # of an element's edge: points so near to the plate stand on it
 ROOM = 1.5        # of the largest displacement, around the part as drawn
 SETTLED = 1e-6    # of an element's edge, of a place that is looked for in the drawing
@@ -74,8 +76,9 @@ class MovedPart:
         if "substrate" in self.config:
             box = {"box": {"min": origin.tolist(), "max": (origin + domain["size"]).tolist()}}
             self.config["substrate"] = {"intersection": [self.config["substrate"], box]}
-        for name in set(self.fields) & {"density", "time", "substrate"}:
-            self.fields[name] = np.pad(self.fields[name], room[::-1])
+        for name in set(self.fields) & {"density", "time", "substrate", GRADIENT}:
+            axes = np.pad(room[::-1], ((0, self.fields[name].ndim - 3), (0, 0)))
+            self.fields[name] = np.pad(self.fields[name], axes)
         domain["elements"] = (np.array(domain["elements"]) + room.sum(axis=1)).tolist()
         domain["size"] = (np.array(domain["size"]) + room.sum(axis=1) * self.edges).tolist()
         domain["origin"] = (origin - room[:, 0] * self.edges).tolist()
@@ -120,9 +123,8 @@ class MovedPart:
         if any(outside):
             raise RunError("the moved part leaves the grid, so what remains does not fall; try a smaller --factor")
 
-    def time(self, finer=1):
-        """Pseudo-time of the elements [z][y][x], of those of a finer grid, too: each has that of its place in
-        the drawing. Continued beyond the part as drawn."""
+    def places(self, finer=1):
+        """Where the elements' centres [z][y][x], of those of a finer grid, too, lie in the drawing."""
         known = np.zeros(self.node_shape(), bool)
         known.flat[self.nodes] = True
         shift = np.zeros((*known.shape, 3))
@@ -135,14 +137,29 @@ class MovedPart:
             before, places = places, centres - at_points(shift, self.node_axes, places)
             if np.abs(places - before).max() < SETTLED * self.edges.min():
                 break
+        return places.reshape([*(len(axis) for axis in centre_axes[::-1]), 3])
+
+    def time(self, places):
+        """Pseudo-time at places in the drawing, continued beyond the part."""
         built, time = self.fields["density"] > 0, self.fields["time"]
         axes = [np.concatenate([axis[:1] - edge, axis, axis[-1:] + edge]) for axis, edge in zip(self.centre_axes, self.edges)]
-        result = at_points(continued(np.pad(time, 1), np.pad(built, 1)), axes, places)
-        return np.clip(result, time[built].min(), time[built].max()).reshape([len(axis) for axis in centre_axes[::-1]])
+        result = at_points(continued(np.pad(time, 1), np.pad(built, 1)), axes, places.reshape(-1, 3))
+        return np.clip(result, time[built].min(), time[built].max()).reshape(places.shape[:-1])
+
+    def gradient(self, places):
+        """Its gradient, by which layers are checked: that of the nearest element of the part. A move of a
+        small share of an element turns it by next to nothing."""
+        missing = self.fields["density"] <= 0
+        nearest = distance_transform_edt(missing, self.edges[::-1], return_distances=False, return_indices=True)
+        field = self.fields[GRADIENT][tuple(nearest)]
+        return at_nearest(field, self.centre_axes, places.reshape(-1, 3)).reshape(places.shape)
 
     def write_sequence(self, path, finer=1):
+        places = self.places(finer)
         with h5py.File(path, "w") as file:
-            file["time"] = self.time(finer)
+            file["time"] = self.time(places)
+            if GRADIENT in self.fields:
+                file[GRADIENT] = self.gradient(places)
             if "time_points" in self.fields:
                 file["time_points"] = self.fields["time_points"]
 
