@@ -10,6 +10,7 @@ import types
 import unittest
 from unittest import mock
 
+from fabseq_tools.paths import posts
 from fabseq_tools.plan import plan, steps
 from fabseq_tools.plan.layers import judged
 from fabseq_tools.plan.orientation import clearly_better, rotation_of
@@ -40,7 +41,8 @@ class Conclusions(unittest.TestCase):
 
     def test_which_way_up(self):
         def record(length, verdict, turn=()):
-            return {"turn": list(turn), "start": {"verdict": verdict, "as_built": {"rms": length}}, "planar": {}}
+            kind = "buildable_but_for_places" if " but " in verdict else verdict.replace(" ", "_")
+            return {"turn": list(turn), "start": {"verdict": verdict, "class": kind, "as_built": {"rms": length}}, "planar": {}}
 
         drawn = record(1.0, "buildable but for 2 places")
         self.assertTrue(clearly_better(record(3.0, "buildable"), drawn))
@@ -76,6 +78,11 @@ class Kept(NewConfigCase):
         with open(self.path("plan/steps.json"), "w", encoding="utf-8") as file:
             file.write("{")
         self.assertEqual(self.steps().kept, {})
+
+    def test_options_of_the_programs_go_on(self):
+        given = "--post=gcode", "--post=rapid", "--rotary=BC", "--table-signs", "--rapid-arc=arc_2"
+        self.assertEqual(sorted(posts.words_of(self.steps(*given).arguments)), sorted(given))
+        self.assertEqual(posts.words_of(self.steps().arguments), [])
 
     def test_questions(self):
         made = self.steps()

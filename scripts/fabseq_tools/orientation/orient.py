@@ -46,7 +46,7 @@ from fabseq_tools.run.command_line import RunError, count, parse, parser_of, req
 from fabseq_tools.run.machine import HELP, OPTION, config_with_machine, settings_for
 from fabseq_tools.run.places import PROGRAM
 from fabseq_tools.run.read_run import passes_entry, passes_of, read_config, read_fields, read_json, target_thickness
-from fabseq_tools.run.verdict_words import in_short, verdict_of
+from fabseq_tools.run.verdict_words import class_of, in_short, verdict_of
 
 COMMAND = "orient"
 
@@ -281,7 +281,9 @@ def block_of(directory):
     shifts = {"as_built": fields["displacement"]}
     if "release_displacement" in fields:
         shifts["released"] = fields["displacement"] + fields["release_displacement"]
-    found = {"layers": sum(layer["volume"] > 0 for layer in summary["layers"]), "verdict": in_short(verdict_of(summary))}
+    verdict = verdict_of(summary)
+    found = {"layers": sum(layer["volume"] > 0 for layer in summary["layers"]), "verdict": in_short(verdict),
+             "class": class_of(verdict)}
     return found | {state: deviation(positions, shift.reshape(-1, 3)[skin]) for state, shift in shifts.items()}
 
 

@@ -2,13 +2,12 @@
 """The fifth step of a plan: the chosen layers with all elements, beside planar ones and the best
 alternative."""
 
-import argparse
 import dataclasses
 
 import numpy as np
 
 from fabseq_tools.plan.configs import full_config
-from fabseq_tools.plan.layers import length
+from fabseq_tools.plan.layers import length, rounds_of
 from fabseq_tools.plan.watched import Watched
 from fabseq_tools.run.command_line import RunError
 from fabseq_tools.run.read_run import Run, read_json
@@ -16,7 +15,6 @@ from fabseq_tools.run.verdict_words import answer
 from fabseq_tools.run.words import duration, less, quantity
 from fabseq_tools.study.comparison import Comparison
 from fabseq_tools.study.families import heights_of
-from fabseq_tools.study.rounds import Rounds
 
 RUNS = "runs"       # folder of a plan
 NEVER = 1e30        # °C at which the strain vanishes: it stays as it is, whatever the heat
@@ -29,10 +27,8 @@ def build(steps, placed, chosen):
     arguments = steps.arguments
     path = steps.path(f"{arguments.name}.json")
     made = full_config(arguments, path, placed["scale"], placed["rotate"], **{"fill-holes": placed["fill_holes"]})
-    options = argparse.Namespace(config=path, output=steps.path(RUNS), ranks=arguments.ranks, machine=None,
-                                 program=arguments.program, rest=arguments.rest)
-    with Watched(options.output) as progress:
-        rows = Rows(Comparison(Rounds(options), judging=heat_of(steps, placed), say=progress.say))
+    with Watched(steps.path(RUNS)) as progress:
+        rows = Rows(Comparison(rounds_of(arguments, path, steps.path(RUNS)), judging=heat_of(steps, placed), say=progress.say))
         built = rows.chosen(chosen["chosen"], chosen["rows"])
         if "reason" in built:
             raise RunError(f"{built['layers']}: {built['reason']}")
@@ -43,7 +39,7 @@ def build(steps, placed, chosen):
     if rival["folder"] != built["folder"] and "reason" not in rival:
         line += f"; {less(length(rival) / length(built))} in {rival['layers']} ({rival['verdict']})"
     line += f"; optimized in {duration(built['seconds'])}" * chosen["optimized"]
-    return {"line": line, "warnings": made.warnings, "config": path, "elements": made.found.elements,
+    return {"line": line, "warnings": made.warnings, "config": path,
             "built": built, "planar": planar, "other": other}
 
 
@@ -98,10 +94,10 @@ class Rows:
             return row
         judged = family.name if family.task == "simulate" else f"{family.name}_judged"
         row |= {"run": comparison.rounds.path(family.name), "judged": comparison.rounds.path(judged)}
-        return row | times_of(row["judged"])
+        return row | totals_of(row["judged"])
 
 
-def times_of(directory):
+def totals_of(directory):
     """Hours and mass of a simulation, and the largest deviation of its skin."""
     summary = read_json(directory, "summary.json")
     heat, finished = summary.get("interpass", {}), summary.get("finished", {})

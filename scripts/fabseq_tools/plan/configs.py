@@ -12,6 +12,7 @@ from fabseq_tools.start.choices import choose
 from fabseq_tools.start.look import Found, Look
 
 COARSE_ELEMENTS, COARSE_LAYERS, COARSE_ITERATIONS = 3000, 12, 25
+AS_DRAWN = [0.0] * 3  # degrees about x, y and z
 LEAST_ACROSS = 2.5  # elements of a coarse layer
 
 

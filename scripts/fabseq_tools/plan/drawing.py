@@ -2,12 +2,11 @@
 """The sixth step of a plan: the drawing, moved against the distortion, and its layers, judged like those of
 the drawing."""
 
-import argparse
 import os
 import shutil
 
 from fabseq_tools.geometry import compensate
-from fabseq_tools.plan.build import times_of
+from fabseq_tools.plan.build import totals_of
 from fabseq_tools.plan.quiet import quiet
 from fabseq_tools.run.command_line import RunError, run_program, write_json
 from fabseq_tools.run.progress import Progress
@@ -41,9 +40,8 @@ def compensate_drawing(steps, built):
     before, after = record["rounds"][0], record["rounds"][best]
     found = figures.row_of(Run(judged, simulations=True), 1.0)
     moved = row | {"layers": f"{row['layers']}, compensated drawing", "folder": FOLDER, "judged": judged,
-                   "spread": found["spread"],
-                   "class": found["class"], "verdict": found["verdict"], "places": found["places"],
-                   "skin_released": after["rms_fitted"], **times_of(judged), "largest": after["largest_fitted"]}
+                   **{key: found[key] for key in ("spread", "class", "verdict", "places")},
+                   "skin_released": after["rms_fitted"], **totals_of(judged), "largest": after["largest_fitted"]}
     line = (f"{quantity(after['rms_fitted'], 'mm')} left of {quantity(before['rms_fitted'], 'mm')}, "
             f"{less(before['rms_fitted'] / after['rms_fitted'])} without; its layers: {found['verdict']}")
     return {"line": line, "row": moved, "stl": steps.path("compensated.stl")}
@@ -58,6 +56,6 @@ def judge(steps, row, folder, name):
         key: round_config[key] for key in ("domain", "part", "sequence")} | {"layers": round_config["layers"] | passes}
     path, output = os.path.join(folder, f"{LAYERS}.json"), os.path.join(folder, LAYERS)
     write_json(path, config)
-    arguments = argparse.Namespace(ranks=steps.arguments.ranks, program=steps.arguments.program, rest=steps.arguments.rest)
-    run_program(arguments, path, "simulate", "-sequence", os.path.join(folder, f"{name}.h5"), "-overwrite", "-output", output)
+    sequence = os.path.join(folder, f"{name}.h5")
+    run_program(steps.arguments, path, "simulate", "-sequence", sequence, "-overwrite", "-output", output)
     return output

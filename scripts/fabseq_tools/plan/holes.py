@@ -17,16 +17,14 @@ def settle_holes(steps, part, turned):
     def made(fill):
         return coarse_config(arguments, path, part["scale"], turned["rotate"], **{"fill-holes": fill})
 
-    fill, config = bool(arguments.fill_holes), None
-    if arguments.fill_holes is None:
-        config = made(False)
-        holes = holes_of(config)
-        if holes:
-            listed = "".join(f"\n  {words}" for words in holes)
-            question = f"no layers carry the roofs of{listed}\nclose them, to be drilled afterwards (y, n)?"
-            fill = steps.choose(question, "yn", "n") == "y"
-    if config is None or fill:
-        config = made(fill)
+    fill = bool(arguments.fill_holes)
+    config = made(fill)
+    holes = holes_of(config)
+    if arguments.fill_holes is None and holes:
+        listed = "".join(f"\n  {words}" for words in holes)
+        question = f"no layers carry the roofs of{listed}\nclose them, to be drilled afterwards (y, n)?"
+        fill = steps.choose(question, "yn", "n") == "y"
+        config = made(True) if fill else config
     found = contact_of(config) | {"holes": holes_of(config),
                                   "closed": [words for words in config.remarks if words.startswith("closed")]}
     warnings = [text for text in config.warnings if text.startswith(TOLD)]

@@ -17,11 +17,9 @@ ALIKE = 1.05                             # a gain below is none
 
 def compare_layers(steps, placed):
     """The rows of all kinds, the best of those that nobody has to optimize, and what is built."""
-    arguments = steps.arguments
-    options = argparse.Namespace(config=placed["config"], output=steps.path("coarse", "layers"), ranks=arguments.ranks,
-                                 machine=None, program=arguments.program, rest=arguments.rest)
-    with Watched(options.output) as progress:
-        comparison = Comparison(Rounds(options), say=progress.say)
+    arguments, folder = steps.arguments, steps.path("coarse", "layers")
+    with Watched(folder) as progress:
+        comparison = Comparison(rounds_of(arguments, placed["config"], folder), say=progress.say)
         rows = list(comparison.rows(SUBPARTS, STEP, AZIMUTHS, curved=("guided",)))
     known = [row for row in rows if "reason" not in row]
     simple = [row for row in known if not is_optimized(row)]
@@ -33,8 +31,13 @@ def compare_layers(steps, placed):
     chosen = best if best and (pays or arguments.optimize) else simplest
     line = "; ".join(f"{row['layers']} {number(length(row))} mm, {row['verdict']}" for row in known)
     line += "".join(f"; {row['layers']}: {row['reason']}" for row in rows if "reason" in row)
-    return {"line": f"{line}. {why}", "why": why, "pays": pays, "rows": rows, "planar": planar, "simplest": simplest,
-            "chosen": chosen, "optimized": is_optimized(chosen)}
+    return {"line": f"{line}. {why}", "why": why, "pays": pays, "rows": rows, "simplest": simplest, "chosen": chosen,
+            "optimized": is_optimized(chosen)}
+
+
+def rounds_of(arguments, config, folder):
+    """Runs of a config, whose machine it names itself."""
+    return Rounds(argparse.Namespace(**vars(arguments) | {"config": config, "output": folder, "machine": None}))
 
 
 def is_optimized(row):

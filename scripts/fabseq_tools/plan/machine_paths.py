@@ -5,7 +5,7 @@ import concurrent.futures
 import os
 import sys
 
-from fabseq_tools.paths import export_paths
+from fabseq_tools.paths import export_paths, posts
 from fabseq_tools.run.command_line import RunError, run_command
 from fabseq_tools.run.places import ENTRY, NAME
 from fabseq_tools.run.progress import Progress
@@ -36,19 +36,15 @@ def write_paths(steps, built, drawing):
     line = (f"{len(layers)} layers, {record['starts']:,} starts, {record['length'] / 1000:.3g} m of beads, "
             f"{duration(sum(pauses))} of pauses; tilt up to {max(layer['tilt'] for layer in layers):.3g}°")
     built_starts = {"built": record["starts"]} if welded is not built["built"] else {}
-    return {"line": line, "layers": layers, "folder": steps.path("paths"), "programs": steps.arguments.post,
+    return {"line": line, "layers": layers,
             "starts": {name: one["starts"] for name, one in found.items()} | built_starts}
 
 
 def paths_of(steps, row, name):
     """The summary of a sequence's paths; those of what is welded are written for the machine as well."""
     folder = steps.path("paths") if name == "welded" else os.path.join(row["judged"], "paths")
-    words = [row["judged"], "--output", folder]
-    if name == "welded":
-        words += [word for post in steps.arguments.post for word in ("--post", post)]
-    else:
-        words.append("--no-picture")
-    done = run_command([sys.executable, ENTRY, export_paths.COMMAND, *words])
+    words = posts.words_of(steps.arguments) if name == "welded" else ["--no-picture"]
+    done = run_command([sys.executable, ENTRY, export_paths.COMMAND, row["judged"], "--output", folder, *words])
     with open(steps.path(f"paths_{name}.log"), "w", encoding="utf-8") as file:
         file.write(done.stdout + done.stderr)
     return read_json(folder, SUMMARY)

@@ -7,15 +7,14 @@ import os
 from fabseq_tools.orientation.orient import records_of, six_turns
 from fabseq_tools.orientation.orient_results import figure_of
 from fabseq_tools.orientation.turned_config import with_absolute_files
-from fabseq_tools.plan.configs import coarse_config
+from fabseq_tools.plan.configs import AS_DRAWN, coarse_config
 from fabseq_tools.run.command_line import RunError
 from fabseq_tools.run.progress import Progress
 from fabseq_tools.run.read_run import read_config
+from fabseq_tools.run.verdict_words import rank
 from fabseq_tools.run.words import factor, quantity
 
 WORTH = 0.8  # of the distortion as drawn: above it nobody turns a part
-AS_DRAWN = [0.0] * 3
-CLASSES = "buildable", "buildable but", ""  # as verdicts begin, best first
 
 
 def settle_orientation(steps, part):
@@ -23,7 +22,7 @@ def settle_orientation(steps, part):
     arguments = steps.arguments
     if arguments.rotate is not None:
         return {"line": f"turned by {words_of(arguments.rotate)}, as asked for (--rotate)" if any(arguments.rotate) else
-                "as drawn, as asked for (--rotate)", "rotate": arguments.rotate, "records": []}
+                "as drawn, as asked for (--rotate)", "rotate": arguments.rotate}
     made = coarse_config(arguments, steps.path("coarse", f"{arguments.name}_as_drawn.json"), part["scale"], AS_DRAWN)
     config = with_absolute_files(read_config(made.path), os.path.dirname(os.path.abspath(made.path)))
     options = argparse.Namespace(config=made.path, output=steps.path("coarse", "orientations"), ranks=1,
@@ -39,31 +38,22 @@ def settle_orientation(steps, part):
     drawn = records[0] if records[0] in done else None
     if drawn is not None and not clearly_better(best, drawn):
         best = drawn
-    rotate = rotation_of(best["turn"])
-    return {"line": line_of(best, drawn, records), "rotate": rotate, "records": [figures_of(record) for record in records]}
+    return {"line": line_of(best, drawn, records), "rotate": rotation_of(best["turn"])}
 
 
 def merit(record):
-    """Class, then length: of the design that optimizations begin with."""
-    return class_of(record), length_of(record)
-
-
-def class_of(record):
-    verdict = record.get("start", record["planar"]).get("verdict") or ""
-    return next(rank for rank, words in enumerate(CLASSES)
-                if verdict.startswith(words) and (rank != 0 or verdict == words))
+    """Rank of the class, then length: of the design that optimizations begin with."""
+    return rank(record["start"]["class"]), length_of(record)
 
 
 def length_of(record):
-    sequence = "start" if "start" in record else "planar"
-    released = figure_of(record, sequence, "released", "rms")
-    return figure_of(record, sequence, "as_built", "rms") if released is None else released
+    released = figure_of(record, "start", "released", "rms")
+    return figure_of(record, "start", "as_built", "rms") if released is None else released
 
 
 def clearly_better(record, drawn):
-    if class_of(record) != class_of(drawn):
-        return class_of(record) < class_of(drawn)
-    return length_of(record) < WORTH * length_of(drawn)
+    (own, length), (of_drawn, length_drawn) = merit(record), merit(drawn)
+    return own < of_drawn or own == of_drawn and length < WORTH * length_drawn
 
 
 def rotation_of(turn):
@@ -83,14 +73,7 @@ def line_of(best, drawn, records):
     line = f"turned by {words_of(rotation_of(best['turn']))}: {found}"
     if drawn is None:
         return f"{line}; the program refuses the part as drawn"
-    better = class_of(best) < class_of(drawn)
     ratio = length_of(drawn) / length_of(best)
-    return f"{line}, {factor(ratio)} times less than as drawn" if ratio > 1.05 or not better else \
-        f"{line}, as drawn {quantity(length_of(drawn), 'mm')} but {drawn['start']['verdict']}"
-
-
-def figures_of(record):
-    """What the page shows."""
-    if "reason" in record:
-        return {"turn": record["turn"], "reason": record["reason"]}
-    return {"turn": record["turn"], "rms": length_of(record), "verdict": record.get("start", record["planar"]).get("verdict")}
+    if ratio > 1.05:
+        return f"{line}, {factor(ratio)} times less than as drawn"
+    return f"{line}, as drawn {quantity(length_of(drawn), 'mm')} but {drawn['start']['verdict']}"

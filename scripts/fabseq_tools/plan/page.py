@@ -8,6 +8,8 @@ from string import Template
 
 from fabseq_tools.paths.export_paths import COMMAND as PATHS
 from fabseq_tools.plan.chart import chart_of_layers
+from fabseq_tools.plan.layers import length
+from fabseq_tools.plan.orientation import words_of
 from fabseq_tools.plan.quiet import quiet
 from fabseq_tools.plan.steps import UNIT
 from fabseq_tools.plot import render_part
@@ -60,15 +62,13 @@ def rows_of(built, drawing, paths, is_optimized):
 
 def figures_of(title, row, starts):
     """A row of the table and of plan.json."""
-    rms = row["skin"] if row.get("skin_released") is None else row["skin_released"]
-    return {"title": title, "layers": row["layers"], "class": row["class"], "verdict": row["verdict"], "rms": rms,
+    return {"title": title, "layers": row["layers"], "class": row["class"], "verdict": row["verdict"], "rms": length(row),
             "largest": row.get("largest"), "spread": row["spread"], "hours": row["hours"], "kg": row["mass"], "starts": starts,
             "places": row["places"]}
 
 
 def answer_of(answer, best, chosen, placed):
-    turned = ", ".join(f"{degrees:g}° about {axis}" for axis, degrees in zip("xyz", placed["rotate"]) if degrees)
-    first = f"Turn the drawing by {turned}. " if turned else ""
+    first = f"Turn the drawing by {words_of(placed['rotate'])}. " if any(placed["rotate"]) else ""
     return (f'<section class="answer {LOOKS.get(best["class"], "unknown")}"><b>{escape(answer)}</b>'
             f"<p>{escape(whole(best['verdict'] or 'not judged'))} {escape(first + whole(chosen['why']))}</p></section>")
 
@@ -131,7 +131,7 @@ def files_of(steps, built, drawing, paths):
     if drawing.get("stl"):
         found["compensated.stl"] = "the drawing, moved against the distortion"
     if paths.get("layers"):
-        programs = ", ".join(paths["programs"]) or f"none: fabseq-tools {PATHS} --post"
+        programs = ", ".join(steps.arguments.post) or f"none: fabseq-tools {PATHS} --post"
         found["paths/"] = f"waypoints and pauses of each layer; programs for the machine: {programs}"
     entries = "".join(f"<dt>{escape(name)}</dt><dd>{escape(words)}</dd>" for name, words in found.items())
     lines = "".join(f"<dt>{escape(name)}</dt><dd>{escape(step['line'])}</dd>" for name, step in steps.found.items())

@@ -66,9 +66,13 @@ class Steps:
             return {}
         return kept if isinstance(kept, dict) else {}
 
+    def can_ask(self):
+        """Whether somebody sits at the terminal, and is to be asked."""
+        return not self.arguments.yes and sys.stdin.isatty() and sys.stderr.isatty()
+
     def choose(self, question, allowed, usual):
-        """The answer of who sits at the terminal, one of `allowed`; the usual one where nobody does."""
-        if self.arguments.yes or not (sys.stdin.isatty() and sys.stderr.isatty()):
+        """The answer of who sits there, one of `allowed`; the usual one where nobody does."""
+        if not self.can_ask():
             return usual
         while True:
             print(f"{question} [{usual}] ", end="", file=sys.stderr, flush=True)

@@ -25,8 +25,8 @@ class Watched:
 
     def watch(self):
         while not self.ended.wait(PAUSE):
-            grown = [path for path, size in self.histories().items() if self.known.get(path) != size]
-            self.known = self.histories()
+            before, self.known = self.known, self.histories()
+            grown = [path for path, size in self.known.items() if before.get(path) != size]
             if grown:
                 with open(grown[0], encoding="utf-8") as file:
                     self.progress.say(f"{self.what}: iteration {sum(1 for _ in file)} of {grown[0].parent}")

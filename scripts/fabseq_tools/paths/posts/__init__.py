@@ -10,6 +10,7 @@ has a docstring, whose first line stands in the help of `fabseq-tools paths`, an
 - program_files(program, options): returns the texts of its files by name, one per layer and one that calls
   them. `program`: Program of programs.py. Raises RunError where the machine cannot do it."""
 
+import argparse
 import importlib
 from pathlib import Path
 
@@ -35,3 +36,14 @@ def add_options(parser):
     for name, post in posts.items():
         post.add_options(parser.add_argument_group(f"--post {name}"))
     return posts
+
+
+def words_of(arguments):
+    """Words of the command line that give another command the same of these options."""
+    parser, words = argparse.ArgumentParser(), []
+    add_options(parser)
+    for name, usual in vars(parser.parse_args([])).items():
+        value, option = getattr(arguments, name), f"--{name.replace('_', '-')}"
+        for one in value if isinstance(value, list) else [value] * (value != usual):
+            words.append(option if one is True else f"{option}={one}")
+    return words
