@@ -7,12 +7,11 @@ and to one that follows the design, and prints a table of what both end with.
                           [--every] [-- PROGRAM OPTIONS]
 
 Two runs of one start are a pair. A length is the root of the first distortion of binary layers. Median and
-worst are over the starts. Of the pairs the second table has the mean of the logarithm of their lengths'
-ratio, with its standard error, and how often the length of `auto` is the longer one; p is that of Wilcoxon's
-signed-rank test of whether the logarithms lie about 0. Steps are those of the elastic solves of all
-iterations, forward and adjoint, of each layer's slowest side. Seconds are medians of a whole run. --every
-prints each run, too. A run that was interrupted goes on where it was, one that is done is only looked at
-again; --table runs nothing.
+worst are over the starts. The second table compares the pairs: the mean logarithm of the lengths' ratio with
+its standard error, how often `auto` has the longer length, and the p value of Wilcoxon's signed-rank test
+that the logarithms lie about 0. Steps count the elastic solves of all iterations, forward and adjoint, by
+each layer's slowest side. Seconds are medians of a whole run. --every prints each run, too. A run that was
+interrupted goes on where it was, one that is done is only looked at again; --table runs nothing.
 """
 
 import collections
