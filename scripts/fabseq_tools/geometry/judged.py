@@ -23,7 +23,7 @@ class Judged:
         self.layer = file[group + "layer"][()].astype(int) if group + "layer" in file else None
         self.substrate = file["substrate"][()] > 0 if "substrate" in file else None
         self.config, self.edges, self.origin = run.config, np.array(element_edges(run.config)), origin_of(run.config)
-        self.trees, self.thickness, self.slope = {}, None, None
+        self.trees, self.ranges, self.thickness, self.slope = {}, {}, None, None
         if self.layer is not None and {group + "local_thickness", group + "build_direction"} <= set(names(file)):
             thickness = file[group + "local_thickness"][()].astype(float)
             self.thickness = np.where((self.layer > 0) & np.isfinite(thickness) & (thickness > 0), thickness, np.nan)
@@ -52,8 +52,10 @@ class Judged:
         """Of the thickness of a layer, or of all; None where the check has none."""
         if self.thickness is None:
             return None
-        own = self.thickness[self.layer > 0 if number is None else self.layer == number]
-        return (float(np.nanmin(own)), float(np.nanmax(own))) if np.isfinite(own).any() else None
+        if number not in self.ranges:
+            own = self.thickness[self.layer > 0 if number is None else self.layer == number]
+            self.ranges[number] = (float(np.nanmin(own)), float(np.nanmax(own))) if np.isfinite(own).any() else None
+        return self.ranges[number]
 
     def slopes(self, points, times):
         """Gradient of the pseudo-time at points: linear between the elements' centres, as far as these belong

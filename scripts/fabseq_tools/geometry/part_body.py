@@ -138,31 +138,29 @@ def spread(cells, steps):
 
 def continued(field, known):
     """A field of the nodes with values beyond the part's: first with the slope, then the mean of the nodes
-    around."""
-    field, known = np.moveaxis(np.array(field, float).reshape(*known.shape, -1), -1, 0).copy(), known.copy()
-    for step in range(max(known.shape)):
-        total, count = np.zeros(field.shape), np.zeros(known.shape)
-        for axis in range(3):
-            for side in (1, -1):
-                near, far = (shifted(known, axis, side * k, False) for k in (1, 2))
-                value = shifted(field, axis + 1, side, 0.0)
-                slope = value - shifted(field, axis + 1, 2 * side, 0.0)
-                total += np.where(near, value + np.where(far & (step < EXTRAPOLATED), slope, 0.0), 0.0)
-                count += near
-        new = ~known & (count > 0)
-        if not new.any():
-            break
-        field[:, new] = total[:, new] / count[new]
-        known |= new
-    return np.moveaxis(field, 0, -1).squeeze(-1) if len(field) == 1 else np.moveaxis(field, 0, -1)
+    around. Goes from node to node, so that each is looked at once."""
+    rim = [(2, 2)] * known.ndim  # as far as a slope looks
+    result = np.pad(np.reshape(field, (*known.shape, -1)).astype(float), [*rim, (0, 0)])
+    values, free = result.reshape(-1, result.shape[-1]), np.pad(~known, rim).ravel()
+    reached = np.pad(known, rim).ravel()
+    strides = np.cumprod([1, *(n + 4 for n in known.shape[:0:-1])])[::-1]
+    ways = [side * stride for stride in strides for side in (1, -1)]
 
+    def beside(nodes):
+        return np.unique(np.concatenate([next_to[free[next_to]] for next_to in (nodes + way for way in ways)]))
 
-def shifted(array, axis, by, fill):
-    result = np.full_like(array, fill)
-    source, target = [slice(None)] * array.ndim, [slice(None)] * array.ndim
-    source[axis], target[axis] = (slice(by, None), slice(None, -by)) if by > 0 else (slice(None, by), slice(-by, None))
-    result[tuple(target)] = array[tuple(source)]
-    return result
+    front, step = beside(np.flatnonzero(reached)), 0
+    while len(front):
+        total, count = np.zeros((len(front), values.shape[1])), np.zeros(len(front))
+        for way in ways:
+            near, far = front + way, front + 2 * way
+            slope = np.where(reached[far, None] & (step < EXTRAPOLATED), values[near] - values[far], 0.0)
+            total += np.where(reached[near, None], values[near] + slope, 0.0)
+            count += reached[near]
+        values[front] = total / count[:, None]
+        free[front], reached[front] = False, True
+        front, step = beside(front), step + 1
+    return result[(slice(2, -2),) * known.ndim].reshape(np.shape(field))
 
 
 def sample(field, axes, places):

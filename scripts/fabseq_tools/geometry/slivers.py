@@ -6,7 +6,7 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from fabseq_tools.geometry.tetrahedra import FACES
+from fabseq_tools.geometry.tetrahedra import FACES, shared
 
 NEAR = 1.0  # diagonals of an element: within, one of the layer's own stands for a place
 
@@ -59,10 +59,6 @@ def pieces_without(body, judged, number, own, centres):
 
 def pieces(corners):
     """The number of the connected piece of each tetrahedron."""
-    faces = np.sort(corners[:, FACES].reshape(-1, 3), axis=1)
-    _, same = np.unique(faces, axis=0, return_inverse=True)
-    same, which = same.ravel(), np.repeat(np.arange(len(corners)), 4)
-    order = np.argsort(same, kind="stable")
-    pairs = np.flatnonzero(same[order][1:] == same[order][:-1])
-    links = coo_matrix((np.ones(len(pairs)), (which[order[pairs]], which[order[pairs + 1]])), shape=(len(corners),) * 2)
+    first, second = (places // 4 for places in shared(corners[:, FACES].reshape(-1, 3)))
+    links = coo_matrix((np.ones(len(first)), (first, second)), shape=(len(corners),) * 2)
     return connected_components(links, directed=False)[1]

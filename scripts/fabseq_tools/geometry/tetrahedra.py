@@ -73,18 +73,24 @@ class Tetrahedra:
         side."""
         faces = self.corners[:, FACES].reshape(-1, 3)
         label = np.repeat(self.label, 4)
-        count, ordered = len(self.points), np.sort(faces, axis=1).astype(np.int64)
-        if count > 2_000_000:
-            _, keys = np.unique(ordered, axis=0, return_inverse=True)
-        else:
-            keys = (ordered[:, 0] * count + ordered[:, 1]) * count + ordered[:, 2]
-        order = np.argsort(keys, kind="stable")
-        same = np.flatnonzero(keys[order][1:] == keys[order][:-1])
         other = np.full(len(faces), -1)
-        first, second = order[same], order[same + 1]
+        first, second = shared(faces)
         other[first], other[second] = label[second], label[first]
         shown = label != other
         return faces[shown], label[shown], other[shown]
+
+
+def shared(faces):
+    """Places in an array of triangles (n, 3) of the two that have the same corners, for each such pair."""
+    ordered = np.sort(faces, axis=1).astype(np.int64)
+    count = ordered.max(initial=0) + 1
+    if count > 2_000_000:
+        _, keys = np.unique(ordered, axis=0, return_inverse=True)
+    else:
+        keys = (ordered[:, 0] * count + ordered[:, 1]) * count + ordered[:, 2]
+    order = np.argsort(keys, kind="stable")
+    same = np.flatnonzero(keys[order][1:] == keys[order][:-1])
+    return order[same], order[same + 1]
 
 
 class EdgePoints:
