@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: MIT
 # shellcheck shell=bash
-# What the batch scripts of this folder share; they source it. Needs FABSEQ_ROOT, the root of the repository.
+# What the batch scripts of this folder share; they source it. Needs FABSEQ_ROOT, the root of the repository or
+# share/fabseq of an installation.
 #
 # From the environment, handed on by sbatch:
 #   FABSEQ_LAUNCH    what starts the ranks: "mpirun" (default), or "srun --mpi=pmix" if Slurm was built for the PMIx of
 #                    your MPI (srun --mpi=list tells)
-#   FABSEQ_PROGRAM   the program; default: build/release/fabseq of the repository
+#   FABSEQ_PROGRAM   the program; default: build/release/fabseq of the repository, or the installed one
 
 # Slurm kills 30 seconds (its KillWait) after TERM. mpirun gets the same TERM and must not kill ranks that are writing
 # their checkpoint before; it takes twice this time to return when they end with status 4.
@@ -40,9 +41,10 @@ completed_iterations() { if [[ -f $1/history.jsonl ]]; then wc -l <"$1/history.j
 fabseq_until_done() {
   local config=$1 output=$2 status=0 before done_now
   shift 2
-  local launch
+  local launch program=$FABSEQ_ROOT/fabseq # a link, where this script is installed
+  [[ -x $program ]] || program=$FABSEQ_ROOT/build/release/fabseq
   read -ra launch <<<"${FABSEQ_LAUNCH:-mpirun}"
-  local command=("${launch[@]}" "${FABSEQ_PROGRAM:-$FABSEQ_ROOT/build/release/fabseq}" -config "$config" -output "$output" -restart auto "$@")
+  local command=("${launch[@]}" "${FABSEQ_PROGRAM:-$program}" -config "$config" -output "$output" -restart auto "$@")
   before=$(completed_iterations "$output")
   echo "job $job on ${SLURM_JOB_NODELIST}, start $((${SLURM_RESTART_COUNT:-0} + 1)), $(date '+%F %T'): ${command[*]}"
 

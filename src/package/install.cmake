@@ -17,7 +17,8 @@ install(DIRECTORY scripts/fabseq_tools DESTINATION ${FABSEQ_DATA}/scripts COMPON
         PATTERN .npmrc EXCLUDE)
 install(PROGRAMS scripts/fabseq-tools DESTINATION ${FABSEQ_DATA}/scripts COMPONENT program)
 install(FILES scripts/environment.sh scripts/launch.sh DESTINATION ${FABSEQ_DATA}/scripts COMPONENT program)
-install(PROGRAMS scripts/use/run.sh DESTINATION ${FABSEQ_DATA}/scripts/use COMPONENT program)
+install(DIRECTORY scripts/use scripts/slurm DESTINATION ${FABSEQ_DATA}/scripts USE_SOURCE_PERMISSIONS COMPONENT program
+        PATTERN __pycache__ EXCLUDE)
 function(fabseq_install_link target link) # and what install() may add
   cmake_path(ABSOLUTE_PATH target BASE_DIRECTORY ${CMAKE_INSTALL_PREFIX} NORMALIZE)
   cmake_path(ABSOLUTE_PATH link BASE_DIRECTORY ${CMAKE_INSTALL_PREFIX} NORMALIZE OUTPUT_VARIABLE at)

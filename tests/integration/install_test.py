@@ -63,6 +63,7 @@ class InstallTest(FabseqTest):
             self.run_command(tools, "report", "box")
             self.run_command(tools, "compensate", "box", "--iterations", "1")
             write_box(os.path.join(self.directory, "cube.stl"), (20.0, 20.0, 20.0))
+            self.run_command(os.path.join(scripts, "use", "bent_bar.py"), "bar.stl")
             self.run_command(tools, "new", "cube.stl", "--thickness", "8", "--output", "cube.json")
             self.run_command(os.path.join(prefix, "bin", "fabseq"), "-config", "cube.json", "-task", "check")
         for name in ("overview.png", "report.html", "compensated/compensated.stl"):

@@ -14,12 +14,14 @@ from run_fabseq import DONE, FabseqTest, ROOT
 BUILD = os.environ.get("FABSEQ_BUILD", os.path.join(ROOT, "build", "release"))
 NEEDED = ["usr/bin/fabseq", "usr/bin/fabseq-tools", "usr/share/man/man1/fabseq.1.gz", "usr/share/man/man1/fabseq-tools.1.gz",
           "usr/share/fabseq/scripts/environment.sh", "usr/share/fabseq/scripts/launch.sh", "usr/share/fabseq/scripts/use/run.sh",
+          "usr/share/fabseq/scripts/use/bent_bar.py", "usr/share/fabseq/scripts/slurm/study_table.py",
           "usr/share/fabseq/scripts/fabseq_tools/entry.py", "usr/share/fabseq/configs/parts/flanged_elbow.h5",
           "usr/share/doc/fabseq/README.md", "usr/share/doc/fabseq/docs/cluster.md", "usr/share/doc/fabseq/docs/overview.png",
           "usr/share/doc/fabseq/benchmarks/evidence/results/built.md",
           "usr/share/doc/fabseq/copyright", "usr/share/doc/fabseq/changelog.gz",
           "usr/share/doc/fabseq/changelog.Debian.gz", "usr/share/lintian/overrides/fabseq"]
 LINKS = {"usr/bin/fabseq-tools": "../share/fabseq/scripts/fabseq-tools", "usr/share/fabseq/fabseq": "../../bin/fabseq",
+         "usr/share/fabseq/scripts/use/fabseq_tools": "../fabseq_tools",
          "usr/share/doc/fabseq/examples": "../../fabseq/configs"}
 FOLDERS = r"usr/(bin/fabseq|share/(fabseq|doc/fabseq|man/man1|lintian/overrides)/)"
 UNWANTED = r"usr/(include|lib)|__pycache__|\.pyc$|\.py\.in$|node_modules|package.*\.json|\.1$|architecture|docs/example"
