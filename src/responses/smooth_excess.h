@@ -18,8 +18,10 @@ struct SmoothExcess {
   explicit SmoothExcess(double x) {
     constexpr double ln2 = std::numbers::ln2;
     const double small = std::exp(-std::abs(x));
-    if (x < -negligible) {  // as most places are; both logarithms are their arguments then
-      value = slope = small / (ln2 * ln2);
+    if (x < -series) {  // as most places are; both logarithms by their first terms
+      const double inner = small * (1.0 - small * (0.5 - small / 3.0)), plus = inner / ln2;
+      value = plus * (1.0 - plus * (0.5 - plus / 3.0)) / ln2;
+      slope = small / ((1.0 + small) * (1.0 + plus) * ln2 * ln2);
       return;
     }
     const double plus = (std::max(x, 0.0) + std::log1p(small)) / ln2;
@@ -30,7 +32,7 @@ struct SmoothExcess {
   double value, slope;
 
  private:
-  static constexpr double negligible = 40.0;  ///< e^-x is less than rounding of 1
+  static constexpr double series = 12.0;  ///< e^-3x is less than rounding of 1
 };
 
 /// Upper bound of a mean of excesses. Its logarithm is bounded: the means range over orders of magnitude.

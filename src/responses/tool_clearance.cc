@@ -8,8 +8,9 @@
 #include "responses/smooth_excess.h"
 #include "responses/unit_gradient.h"
 
-#include <algorithm>
+#include <array>
 #include <cstdint>
+#include <utility>
 
 namespace fabseq {
 
@@ -19,6 +20,8 @@ namespace {
 constexpr double first_limit = 3e-6;
 /// Pseudo-time of the substrate: earlier than any layer.
 constexpr double substrate_time = -1.0;
+/// Place, in units of the sharpness, where the smooth excess is 4e-22 and nothing beside the smallest limit.
+constexpr double nothing = -50.0;
 
 struct ToolClearanceSettings {
   std::optional<double> limit;  ///< none: it adapts
@@ -35,7 +38,8 @@ struct ToolClearanceSettings {
 /// One component: the share of the torch that meets what stands, mean over the part, smoothly counted. For
 /// sample points y_m of the torch at each element x, it sums over the elements c around y_m
 /// N_c(y_m) rho_c E((t(x) - t_c - delay) / sharpness), with N_c the weights of linear interpolation between
-/// centres and E the smooth excess.
+/// centres and E the smooth excess. The mean and its derivatives are found in one pass and kept: a design and
+/// its binary layers have the same pseudo-time.
 template <int Dim>
 class ToolClearance : public Response<Dim> {
  public:
@@ -45,49 +49,25 @@ class ToolClearance : public Response<Dim> {
         up_(context.part.plate().template normal<Dim>()),
         samples_(torch_samples<Dim>(context.tool, up_, diagonal(context.part.grid()), settings.samples)),
         halo_(context.part.grid(), width(context)),
-        density_(halo_.gather(standing_density(context.part))),
-        cells_(ringed(halo_.box())),
-        material_around_(material_around()) {}
-
-  std::vector<double> values(const StageResults<Dim>& state) const override {
-    const Field field = gather(state);
-    double total = 0.0;
-    for_each_element(state, [&](std::size_t e, const Place& place, const LeastRotation<Dim>& rotation) {
-      double blocked = 0.0;
-      for (const Point<Dim>& sample : samples_)
-        for_each_corner(place, rotation.apply(sample), [&](std::size_t c, double weight, const Point<Dim>&) {
-          blocked += weight * density_[c] * field.earlier(c, place.time).value;
-        });
-      total += counts(e) * blocked;
-    });
-    return {sum(context_.part.grid().comm(), total) * unit()};
+        box_(ringed(halo_.box())),
+        density_(ringed_field(standing_density(context.part))),
+        material_around_(material_around()) {
+    for (int number = 0; number < corner_count<Dim>; ++number)
+      steps_[number] = box_.offset(stepped<Dim>(box_.start, number, 1));
+    for (int i = 0; i < Dim; ++i) per_length_[i] = 1.0 / context.part.grid().spacing()[i];
   }
+
+  std::vector<double> values(const StageResults<Dim>& state) const override { return {mean(state).value}; }
 
   void add_derivative(int, double weight, const StageResults<Dim>& state,
                       StageDerivatives<Dim>& adjoint) const override {
-    const Field field = gather(state);
-    const std::size_t elements = context_.part.part_density().size();
-    auto& d_time = DensityDerivatives::zeros_if_empty(adjoint.time.time, elements);
-    std::vector<double> d_field(field.time.size());
-    for_each_element(state, [&](std::size_t e, const Place& place, const LeastRotation<Dim>& rotation) {
-      const double factor = weight * unit() * counts(e);
-      Point<Dim> d_axis{};
-      for (const Point<Dim>& sample : samples_) {
-        Point<Dim> d_offset{};
-        for_each_corner(
-            place, rotation.apply(sample), [&](std::size_t c, double share, const Point<Dim>& d_share) {
-              const SmoothExcess earlier = field.earlier(c, place.time);
-              const double by_time = factor * share * density_[c] * earlier.slope / field.sharpness;
-              d_time[e] += by_time;
-              d_field[c] -= by_time;
-              for (int i = 0; i < Dim; ++i) d_offset[i] += factor * density_[c] * earlier.value * d_share[i];
-            });
-        rotation.add_derivative(sample, d_offset, d_axis);
-      }
-      if (turns()) direction(state, e).add_derivative(d_axis, &gradient_or_zeros(state, adjoint)[e * Dim]);
-    });
-    const std::vector<double> of_others = context_.part.restrict_to_part(halo_.scatter_add(d_field));
-    for (std::size_t e = 0; e < elements; ++e) d_time[e] += of_others[e];
+    const Mean& of = mean(state);
+    const auto add = [weight](const std::vector<double>& derivative, std::vector<double>& sum) {
+      DensityDerivatives::zeros_if_empty(sum, derivative.size());
+      for (std::size_t i = 0; i < derivative.size(); ++i) sum[i] += weight * derivative[i];
+    };
+    add(of.d_time, adjoint.time.time);
+    if (turns()) add(of.d_gradient, adjoint.time.gradient);
   }
 
   std::vector<ConstraintRow> rows(double margin) const override {
@@ -95,13 +75,20 @@ class ToolClearance : public Response<Dim> {
   }
 
  private:
-  /// Pseudo-times in the box of the halo, and how much earlier one is than another.
+  /// What the mean depends on, on this rank.
+  struct Inputs {
+    std::vector<double> time, gradient, weights;
+    int layers = 0;  ///< none yet
+    bool operator==(const Inputs&) const = default;
+  };
+  struct Mean {
+    double value = 0.0;
+    std::vector<double> d_time, d_gradient;  ///< part fields; [part element][axis]
+  };
+  /// Pseudo-times in box_, and how much earlier than another they have to be.
   struct Field {
     std::vector<double> time;
     double delay, sharpness;
-    SmoothExcess earlier(std::size_t c, double than) const {
-      return SmoothExcess((than - time[c] - delay) / sharpness);
-    }
   };
   struct Place {
     Index<Dim> element;
@@ -121,26 +108,76 @@ class ToolClearance : public Response<Dim> {
   static std::vector<double> standing_density(const Part<Dim>& part) {
     return part.expand(part.part_density(), 0.0, 1.0);
   }
+  /// An element field in box_, 0 beyond the halo's.
+  std::vector<double> ringed_field(const std::vector<double>& owned) const {
+    std::vector<double> result(static_cast<std::size_t>(box_.count()));
+    const std::vector<double> gathered = halo_.gather(owned);
+    halo_.box().for_each(
+        [&](const Index<Dim>& element, std::int64_t c) { result[box_.offset(element)] = gathered[c]; });
+    return result;
+  }
+  /// Transpose of the last one.
+  std::vector<double> sums_of_owners(const std::vector<double>& ringed) const {
+    std::vector<double> result(static_cast<std::size_t>(halo_.box().count()));
+    halo_.box().for_each(
+        [&](const Index<Dim>& element, std::int64_t c) { result[c] = ringed[box_.offset(element)]; });
+    return context_.part.restrict_to_part(halo_.scatter_add(result));
+  }
 
   /// Whether any of the elements around a cell holds material.
   std::vector<char> material_around() const {
-    std::vector<char> result(static_cast<std::size_t>(cells_.count()), 0);
-    halo_.box().for_each([&](const Index<Dim>& element, std::int64_t c) {
-      if (density_[c] == 0.0) return;
+    std::vector<char> result(static_cast<std::size_t>(box_.count()), 0);
+    halo_.box().for_each([&](const Index<Dim>& element, std::int64_t) {
+      if (density_[box_.offset(element)] == 0.0) return;
       for (int number = 0; number < corner_count<Dim>; ++number)
-        result[cells_.offset(stepped<Dim>(element, number, -1))] = 1;
+        result[box_.offset(stepped<Dim>(element, number, -1))] = 1;
     });
     return result;
   }
 
-  Field gather(const StageResults<Dim>& state) const {
-    const double layer = 1.0 / state.densities->count();
-    const Part<Dim>& part = context_.part;
-    return {halo_.gather(part.expand(state.time->time, 0.0, substrate_time)), settings_.delay * layer,
-            settings_.sharpness * layer};
+  /// Collective: as soon as a rank has other inputs, all take the mean anew.
+  const Mean& mean(const StageResults<Dim>& state) const {
+    Inputs inputs{state.time->time, state.time->gradient, {}, state.densities->count()};
+    if (context_.element_weights != nullptr) inputs.weights = *context_.element_weights;
+    if (any(context_.part.grid().comm(), !(inputs == of_))) mean_ = new_mean(state);
+    of_ = std::move(inputs);
+    return mean_;
   }
-  /// How much an element counts.
-  double counts(std::size_t e) const { return context_.weight_of(e) * context_.part.part_density()[e]; }
+
+  Mean new_mean(const StageResults<Dim>& state) const {
+    const Part<Dim>& part = context_.part;
+    const double layer = 1.0 / state.densities->count();
+    const Field field{ringed_field(part.expand(state.time->time, 0.0, substrate_time)),
+                      settings_.delay * layer, settings_.sharpness * layer};
+    Mean result{.d_time = std::vector<double>(part.elements().size()),
+                .d_gradient = std::vector<double>(turns() ? state.time->gradient.size() : 0)};
+    std::vector<double> d_field(field.time.size());
+    for_each_element(state, [&](std::size_t e, const Place& place, const LeastRotation<Dim>& rotation) {
+      const double factor = unit() * context_.weight_of(e) * part.part_density()[e];
+      Point<Dim> d_axis{};
+      for (const Point<Dim>& sample : samples_) {
+        Point<Dim> d_offset{};
+        bool meets = false;
+        for_each_corner(
+            field, place, rotation.apply(sample),
+            [&](std::int64_t c, double share, const Point<Dim>& d_share, const SmoothExcess& earlier) {
+              meets = true;
+              const double by = factor * density_[c], by_time = by * share * earlier.slope / field.sharpness;
+              result.value += by * share * earlier.value;
+              result.d_time[e] += by_time;
+              d_field[c] -= by_time;
+              for (int i = 0; i < Dim; ++i) d_offset[i] += by * earlier.value * d_share[i];
+            });
+        if (meets) rotation.add_derivative(sample, d_offset, d_axis);
+      }
+      if (turns()) direction(state, e).add_derivative(d_axis, &result.d_gradient[e * Dim]);
+    });
+    const std::vector<double> of_others = sums_of_owners(d_field);
+    for (std::size_t e = 0; e < of_others.size(); ++e) result.d_time[e] += of_others[e];
+    result.value = sum(part.grid().comm(), result.value);
+    return result;
+  }
+
   /// What a blocked sample of an element adds to the mean.
   double unit() const {
     return context_.part.grid().element_volume() /
@@ -149,10 +186,6 @@ class ToolClearance : public Response<Dim> {
   bool turns() const { return context_.tool.axis.empty(); }
   UnitGradient<Dim> direction(const StageResults<Dim>& state, std::size_t e) const {
     return UnitGradient<Dim>(&state.time->gradient[e * Dim], context_.characteristic_length);
-  }
-  static std::vector<double>& gradient_or_zeros(const StageResults<Dim>& state,
-                                                StageDerivatives<Dim>& adjoint) {
-    return DensityDerivatives::zeros_if_empty(adjoint.time.gradient, state.time->gradient.size());
   }
   /// Calls what(part element, its place, rotation of the torch there) for those that count.
   template <class What>
@@ -167,34 +200,34 @@ class ToolClearance : public Response<Dim> {
     }
   }
 
-  /// Calls what(position in the halo's box, weight N_c, its derivative with respect to the offset) for the
-  /// elements around a point that hold material.
+  /// Calls what(position in box_, weight N_c, its derivative with respect to the offset, excess) for the
+  /// elements around a point that hold material, and are not so much later that they count for nothing.
   template <class What>
-  void for_each_corner(const Place& place, const Point<Dim>& offset, What&& what) const {
-    const Point<Dim>& spacing = context_.part.grid().spacing();
+  void for_each_corner(const Field& field, const Place& place, const Point<Dim>& offset, What&& what) const {
     Index<Dim> first = place.element;
-    Point<Dim> rest;
+    std::array<Point<2>, Dim> shares;  // of the lower and the upper side
     for (int i = 0; i < Dim; ++i) {
-      const double steps = offset[i] / spacing[i], whole = std::floor(steps);
+      const double steps = offset[i] * per_length_[i], whole = std::floor(steps);
       first[i] += static_cast<int>(whole);
-      rest[i] = steps - whole;
+      shares[i] = {1.0 - (steps - whole), steps - whole};
     }
-    if (!cells_.contains(first) || material_around_[cells_.offset(first)] == 0) return;
+    if (!box_.contains(first)) return;
+    const std::int64_t cell = box_.offset(first);
+    if (material_around_[cell] == 0) return;
     for (int number = 0; number < corner_count<Dim>; ++number) {
-      const Index<Dim> corner = stepped<Dim>(first, number, 1);
-      if (!halo_.box().contains(corner)) continue;
-      const auto c = static_cast<std::size_t>(halo_.box().offset(corner));
-      if (density_[c] == 0.0) continue;
+      const std::int64_t c = cell + steps_[number];
+      const double beyond = place.time - field.time[c] - field.delay;
+      if (density_[c] == 0.0 || beyond < nothing * field.sharpness) continue;
       double weight = 1.0;
       Point<Dim> slope;
       slope.fill(1.0);
       for (int i = 0; i < Dim; ++i) {
-        const bool upper = (number >> i & 1) != 0;
-        const double share = upper ? rest[i] : 1.0 - rest[i], d_share = (upper ? 1.0 : -1.0) / spacing[i];
+        const int upper = number >> i & 1;
+        const double share = shares[i][upper], d_share = upper == 1 ? per_length_[i] : -per_length_[i];
         weight *= share;
         for (int k = 0; k < Dim; ++k) slope[k] *= k == i ? d_share : share;
       }
-      what(c, weight, slope);
+      what(c, weight, slope, SmoothExcess(beyond / field.sharpness));
     }
   }
 
@@ -203,9 +236,13 @@ class ToolClearance : public Response<Dim> {
   Point<Dim> up_;
   std::vector<Point<Dim>> samples_;
   ElementHalo<Dim> halo_;
-  std::vector<double> density_;
-  IndexBox<Dim> cells_;                ///< between the centres of 2^Dim elements each, by the lowest of these
-  std::vector<char> material_around_;  ///< [cell]
+  IndexBox<Dim> box_;  ///< the halo's and a ring of elements, and so cells between centres, by their lowest
+  std::vector<double> density_;                        ///< in box_
+  std::vector<char> material_around_;                  ///< in box_, [cell]
+  std::array<std::int64_t, corner_count<Dim>> steps_;  ///< from a cell to the elements around
+  Point<Dim> per_length_;                              ///< elements, along each axis
+  mutable Mean mean_;
+  mutable Inputs of_;
 };
 
 const Registered<ToolClearance, ToolClearanceSettings> registered(
