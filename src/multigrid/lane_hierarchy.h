@@ -63,12 +63,12 @@ template <int Dim>
 void find_coarse_supports(MPI_Comm comm, LaneLevel<Dim>& fine, LaneLevel<Dim>& coarse, int components);
 
 /// Coarsens an axis as long as its elements are no longer than about those of the others, to a last level of
-/// a few hundred elements. The grid is padded with nothing to even counts: any count coarsens.
+/// at most 200 elements. The grid is padded with nothing to even counts: any count coarsens.
 template <int Dim>
 class LaneHierarchy {
  public:
   /// The last level has at most this many elements, if the axes allow it.
-  static constexpr std::int64_t coarsest_elements = 600;
+  static constexpr std::int64_t coarsest_elements = 200;
 
   /// Collective on the grid's communicator. Nodes of no element are not in the hierarchy.
   LaneHierarchy(const Grid<Dim>& grid, const SystemDomain& domain);

@@ -16,7 +16,7 @@ struct LaneCycle {
   int degree = 2;       ///< of the Chebyshev smoother, before and after
   bool islands = true;  ///< LaneCg: rigid motions of stiff islands, where lanes have operators of their own
   std::vector<int> steps{2, 4, 2};  ///< steps on levels 1, 2, ... (K) or visits (W); the last entry goes on
-  std::vector<int> patient_steps{6, 4, 2};  ///< the same for lanes that take long (K only)
+  std::vector<int> patient_steps{6, 4, 8};  ///< the same for lanes that take long (K only)
   int patience = 10;                        ///< iterations before a lane counts as one that takes long
   bool narrows = true;  ///< LaneCg: lanes that are left over go on in a narrower solver, which takes memory
   double shift = 0.0;   ///< added to the last level's diagonal, relative to it: for bodies that nothing holds
