@@ -105,7 +105,7 @@ class Plan:
         self.iteration = iteration
         deals = [(work, count) for work in iteration.deals() for count in groups]
         question = {**part, "ranks": ranks, "deals": [{"work": work, "groups": count} for work, count in deals]}
-        answer = json.loads(program_run.run_command([program], input=json.dumps(question)).stdout)
+        answer = json.loads(program_run.run_command([program], given=json.dumps(question)).stdout)
         self.part_elements = answer["part_elements"]
         self.relative_cost = {int(width): cost for width, cost in answer["relative_cost"].items()}
         self.problems = {name: Problem(**problem) for name, problem in answer["problems"].items()}

@@ -115,16 +115,18 @@ def warn(command, text):
     print(f"{NAME} {command}: warning: {text}", file=sys.stderr)
 
 
-def run_command(command, capture=True, statuses=(0,), **more):
-    """Runs a command in the environment of all scripts, where there may be more ranks than cores. Raises
-    RunError if it ends with another exit status than these."""
+def run_command(command, capture=True, statuses=(0,), given=None, **more):
+    """Runs a command in the environment of all scripts, where there may be more ranks than cores, on the text
+    `given`. Raises RunError if it ends with another exit status than these."""
     command = list(map(str, command))
     in_environment = 'source "$0"; allow_more_ranks_than_cores; exec "$@"'
     words = ["bash", "-c", in_environment, ENVIRONMENT, *command]
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} if capture else {}
+    if given is not None:
+        pipes["stdin"] = subprocess.PIPE
     with subprocess.Popen(words, text=True, **pipes, **more) as process:
         try:
-            output, errors = process.communicate()
+            output, errors = process.communicate(given)
         except BaseException:
             end(process)
             raise
