@@ -40,15 +40,18 @@ class Conclusions(unittest.TestCase):
             self.assertIn(words, found[0])
 
     def test_which_way_up(self):
-        def record(length, verdict, turn=()):
+        def record(length, verdict, contact=100.0):
             kind = "buildable_but_for_places" if " but " in verdict else verdict.replace(" ", "_")
-            return {"turn": list(turn), "start": {"verdict": verdict, "class": kind, "as_built": {"rms": length}}, "planar": {}}
+            start = {"verdict": verdict, "class": kind, "as_built": {"rms": length}}
+            return {"turn": [], "start": start, "planar": {}, "contact_area": contact}
 
         drawn = record(1.0, "buildable but for 2 places")
         self.assertTrue(clearly_better(record(3.0, "buildable"), drawn))
         self.assertFalse(clearly_better(record(0.1, "not buildable"), drawn))
         self.assertFalse(clearly_better(record(0.85, "buildable but for 1 place"), drawn))
         self.assertTrue(clearly_better(record(0.75, "buildable but for 1 place"), drawn))
+        self.assertFalse(clearly_better(record(0.1, "buildable but for 1 place", contact=40.0), drawn))  # on one foot
+        self.assertTrue(clearly_better(record(0.1, "buildable", contact=40.0), drawn))
         self.assertEqual(rotation_of([["x", 90.0], ["x", 90.0]]), [180.0, 0, 0])
 
 

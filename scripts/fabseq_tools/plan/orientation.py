@@ -14,7 +14,8 @@ from fabseq_tools.run.read_run import read_config
 from fabseq_tools.run.verdict_words import rank
 from fabseq_tools.run.words import factor, quantity
 
-WORTH = 0.8  # of the distortion as drawn: above it nobody turns a part
+WORTH = 0.8    # of the distortion as drawn: above it nobody turns a part
+FOOTING = 0.5  # of the area that it stands on as drawn: on less nobody puts it for a smaller distortion
 
 
 def settle_orientation(steps, part):
@@ -34,10 +35,8 @@ def settle_orientation(steps, part):
     if not done:
         raise RunError(f"{arguments.part}: the program refuses every orientation; of the part as drawn it says: "
                        f"{records[0]['reason']}")
-    best = min(done, key=merit)
     drawn = records[0] if records[0] in done else None
-    if drawn is not None and not clearly_better(best, drawn):
-        best = drawn
+    best = min(done if drawn is None else [drawn, *(record for record in done if clearly_better(record, drawn))], key=merit)
     return {"line": line_of(best, drawn, records), "rotate": rotation_of(best["turn"])}
 
 
@@ -53,7 +52,8 @@ def length_of(record):
 
 def clearly_better(record, drawn):
     (own, length), (of_drawn, length_drawn) = merit(record), merit(drawn)
-    return own < of_drawn or own == of_drawn and length < WORTH * length_drawn
+    stands = record["contact_area"] >= FOOTING * drawn["contact_area"]
+    return own < of_drawn or own == of_drawn and length < WORTH * length_drawn and stands
 
 
 def rotation_of(turn):
@@ -68,8 +68,12 @@ def line_of(best, drawn, records):
     found = f"{quantity(length_of(best), 'mm')} in evenly curved layers"
     if best is drawn:
         others = [record for record in records if "reason" not in record and record is not drawn]
-        least = min(map(length_of, others), default=None)
-        return f"as drawn: {found}" + ("" if least is None else f", at least {quantity(least, 'mm')} in {len(others)} others")
+        if not others:
+            return f"as drawn: {found}"
+        least = min(others, key=length_of)
+        area = "" if length_of(least) >= WORTH * length_of(drawn) else \
+            f", on {least['contact_area']:,.0f} mm² of the plate in place of {drawn['contact_area']:,.0f}"
+        return f"as drawn: {found}, at least {quantity(length_of(least), 'mm')} in {len(others)} others{area}"
     line = f"turned by {words_of(rotation_of(best['turn']))}: {found}"
     if drawn is None:
         return f"{line}; the program refuses the part as drawn"
