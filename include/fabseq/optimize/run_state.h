@@ -11,13 +11,14 @@
 
 namespace fabseq {
 
-/// The tolerances of an iteration's solves that its step allows (docs/developer/optimizer.md 9.4): the errors
-/// of displacements shall be a share of what the step changes, those of gradients a percent or two, and those
-/// of values that iterates are compared by a fraction of a percent; from 1e-2 to the finest.
+/// Returns the tolerances of an iteration's solves, from 1e-2 to the finest
+/// (docs/developer/optimizer.md 9.4). Errors of displacements are a share of what the step changes, those of
+/// gradients a percent or two, and those of the values by which iterates are compared a fraction of a
+/// percent. Not collective.
 ///
-/// \param move_limit largest step of a variable, as a share of its range
-/// \param share_left of the first distortion, a sum of squares, from 0 to 1. What is left by cancellation has
-/// the errors of what was there before.
+/// \param move_limit  largest step of a variable, as a share of its range
+/// \param share_left  of the first distortion, a sum of squares, from 0 to 1: what cancellation leaves has
+///                    the errors of what was there before
 Tolerances following_tolerances(double move_limit, double share_left);
 
 /// How a run ended.

@@ -66,8 +66,8 @@ class StepSystems {
   /// Whether systems that are dealt out later take only what is built into account (BuiltRegion). The solver
   /// must leave out elements without stiffness then.
   void leave_out_unbuilt(bool built);
-  /// Deals the steps out to the groups. The elements that count in a block are found when it is solved first.
-  /// Warm solves of as many steps keep their first deal: a group has its own last solutions only.
+  /// Deals the steps out to the groups. The elements that count in a block are found at its first solve. Warm
+  /// solves of the same number of steps keep their first deal, since a group has its own last solutions only.
   void deal_out(const LayerDensities& densities, std::vector<BuildStep> steps);
   /// The same by deal_out_in_turn().
   void deal_out_in_turn(std::vector<BuildStep> steps);

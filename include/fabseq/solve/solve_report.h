@@ -15,8 +15,7 @@ struct SolveReport {
   double residual = 0.0;  ///< preconditioned residual relative to a zero start, docs/formulation.md 4.1
   bool converged = true;
   std::string reason;  ///< for how it ended, by PETSc or the lane solver; empty for a zero right-hand side
-  bool has_islands =
-      false;  ///< whether the lane solver has found stiff pieces that hang in soft surroundings
+  bool has_islands = false;  ///< whether stiff pieces hang in soft surroundings; known in lanes only
 };
 
 /// Throws NumericalError("WHAT did not converge: ...") if a solve did not.
