@@ -13,6 +13,7 @@ from unittest import mock
 from fabseq_tools.paths import posts
 from fabseq_tools.plan import plan, steps
 from fabseq_tools.plan.layers import judged
+from fabseq_tools.plan.page import rows_of
 from fabseq_tools.plan.orientation import clearly_better, rotation_of
 
 from new_config_case import NewConfigCase, TOOLS
@@ -53,6 +54,18 @@ class Conclusions(unittest.TestCase):
         self.assertFalse(clearly_better(record(0.1, "buildable but for 1 place", contact=40.0), drawn))  # on one foot
         self.assertTrue(clearly_better(record(0.1, "buildable", contact=40.0), drawn))
         self.assertEqual(rotation_of([["x", 90.0], ["x", 90.0]]), [180.0, 0, 0])
+
+    def test_what_is_welded(self):
+        """Stands last: the moved drawing, unless its layers can be built less well."""
+        def whole(folder, length):
+            return row(folder, length) | {"folder": folder, "spread": 0.1, "hours": None, "mass": None, "places": []}
+
+        built, moved = {"planar": whole("planar", 1.0), "other": None, "built": whole("guided", 0.5)}, whole("moved", 0.1)
+        for drawing, expected in (({"row": moved}, ["planar", "guided", "moved"]),
+                                  ({"refused": moved}, ["planar", "moved", "guided"]), ({}, ["planar", "guided"])):
+            found = rows_of(built, drawing, {"starts": {"welded": 7}}, True)
+            self.assertEqual([one["layers"] for one in found], expected)
+            self.assertEqual(found[-1]["starts"], 7)
 
 
 class Kept(NewConfigCase):

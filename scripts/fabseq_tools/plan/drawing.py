@@ -11,6 +11,7 @@ from fabseq_tools.plan.quiet import quiet
 from fabseq_tools.run.command_line import RunError, run_program, write_json
 from fabseq_tools.run.progress import Progress
 from fabseq_tools.run.read_run import Run, read_json
+from fabseq_tools.run.verdict_words import rank
 from fabseq_tools.run.words import less, quantity
 from fabseq_tools.study import figures
 
@@ -19,7 +20,8 @@ NOT_MOVED = "run", "baseline", "optimizer", "stock", "output", "name"  # keys of
 
 
 def compensate_drawing(steps, built):
-    """What remains once the mesh is moved against the distortion; without `row` where it cannot be."""
+    """What remains once the mesh is moved against the distortion: its `row` if that is welded; `refused` if
+    its layers can be built less well than those of the drawing; neither where nothing is moved."""
     row, folder = built["built"], steps.path(FOLDER)
     log = steps.path("compensated.log")
     words = [row["run"], "--output", folder, "--ranks", str(steps.arguments.ranks), "--program", steps.arguments.program,
@@ -36,7 +38,6 @@ def compensate_drawing(steps, built):
             return {"line": f"as drawn: no moved mesh ends up nearer to it ({log})"}
         progress.say("the layers of the moved mesh")
         judged = judge(steps, row, folder, f"round_{best}")
-    shutil.copyfile(os.path.join(folder, "compensated.stl"), steps.path("compensated.stl"))
     before, after = record["rounds"][0], record["rounds"][best]
     found = figures.row_of(Run(judged, simulations=True), 1.0)
     moved = row | {"layers": f"{row['layers']}, compensated drawing", "folder": FOLDER, "judged": judged,
@@ -44,6 +45,9 @@ def compensate_drawing(steps, built):
                    "skin_released": after["rms_fitted"], **totals_of(judged), "largest": after["largest_fitted"]}
     line = (f"{quantity(after['rms_fitted'], 'mm')} left of {quantity(before['rms_fitted'], 'mm')}, "
             f"{less(before['rms_fitted'] / after['rms_fitted'])} without; its layers: {found['verdict']}")
+    if rank(found["class"]) > rank(row["class"]):
+        return {"line": f"{line}, unlike those of the drawing, which is welded as it is", "refused": moved}
+    shutil.copyfile(os.path.join(folder, "compensated.stl"), steps.path("compensated.stl"))
     return {"line": line, "row": moved, "stl": steps.path("compensated.stl")}
 
 

@@ -50,10 +50,11 @@ def write_page(steps, placed, chosen, built, drawing, paths):
 
 
 def rows_of(built, drawing, paths, is_optimized):
-    """Today's way, the best alternative, what is built, and that from the moved drawing: the last is best."""
+    """Today's way, the best alternative, what is built, that from the moved drawing: the last is welded."""
     starts, name = paths["starts"], "optimized" if is_optimized else "without optimizing"
     found = [("today", built["planar"], starts.get("planar")), ("best alternative", built["other"], starts.get("other"))]
-    moved = drawing.get("row")
+    moved, refused = drawing.get("row"), drawing.get("refused")
+    found.append(("not welded: drawing compensated", refused, None))
     if built["built"]["folder"] != built["planar"]["folder"] or not moved:
         found.append((name, built["built"], starts.get("built") or starts.get("welded")))
     found.append((f"{name}, drawing compensated", moved, starts.get("welded")))
