@@ -106,10 +106,10 @@ std::vector<std::int64_t> LaneHierarchy<Dim>::element_numbers(const SystemDomain
 
 template <int Dim>
 Index<Dim> LaneHierarchy<Dim>::choose_factors(const Index<Dim>& elements, const Point<Dim>& spacing,
-                                              std::int64_t active) {
+                                              std::int64_t active, int components) {
   Index<Dim> factors;
   factors.fill(1);
-  if (active <= coarsest_elements) return factors;
+  if (active <= coarsest_elements(components)) return factors;
   double shortest = std::numeric_limits<double>::max();
   for (int axis = 0; axis < Dim; ++axis)
     if (elements[axis] > 1) shortest = std::min(shortest, spacing[axis]);
@@ -121,7 +121,7 @@ Index<Dim> LaneHierarchy<Dim>::choose_factors(const Index<Dim>& elements, const 
 template <int Dim>
 bool LaneHierarchy<Dim>::coarsen() {
   LaneLevel<Dim>& fine = levels_.back();
-  fine.factors = choose_factors(fine.elements, fine.spacing, active_);
+  fine.factors = choose_factors(fine.elements, fine.spacing, active_, components_);
   // Several ranks deal the lanes of the last level out: it is a copy of the finest if that is small enough.
   if (is_last(fine.factors) && (fine.lanes_dealt || size_of(grid_.comm()) == 1)) return false;
   LaneLevel<Dim>& coarse = levels_.emplace_back();
@@ -174,7 +174,7 @@ void LaneHierarchy<Dim>::make_coarse_mesh(LaneLevel<Dim>& fine, LaneLevel<Dim>& 
     coarse.mesh = std::move(stage);
   }
   active_ = sum(comm, coarse.mesh.elements());
-  if (size_of(comm) > 1 && is_last(choose_factors(coarse.elements, coarse.spacing, active_)))
+  if (size_of(comm) > 1 && is_last(choose_factors(coarse.elements, coarse.spacing, active_, components_)))
     deal_lanes_out(fine, coarse);
 }
 

@@ -67,8 +67,9 @@ void find_coarse_supports(MPI_Comm comm, LaneLevel<Dim>& fine, LaneLevel<Dim>& c
 template <int Dim>
 class LaneHierarchy {
  public:
-  /// The last level has at most this many elements, if the axes allow it.
-  static constexpr std::int64_t coarsest_elements = 200;
+  /// The last level has at most this many elements, if the axes allow it: its band's factors grow with the
+  /// cube of the unknowns of a node.
+  static constexpr std::int64_t coarsest_elements(int components) { return 600 / components; }
 
   /// Collective on the grid's communicator. Nodes of no element are not in the hierarchy.
   LaneHierarchy(const Grid<Dim>& grid, const SystemDomain& domain);
@@ -82,8 +83,9 @@ class LaneHierarchy {
   std::vector<std::int64_t> element_numbers(const SystemDomain& domain) const;
 
   /// Factors from a level of `active` elements to the next; all 1 if it is small enough to be the last.
-  static Index<Dim> choose_factors(const Index<Dim>& elements, const Point<Dim>& spacing,
-                                   std::int64_t active);
+  /// `components`: unknowns of a node.
+  static Index<Dim> choose_factors(const Index<Dim>& elements, const Point<Dim>& spacing, std::int64_t active,
+                                   int components);
   /// Mesh of what the elements of a mesh lie in on the next level, within its box `parents`.
   static LaneMesh<Dim> stage_of(const LaneMesh<Dim>& fine, const IndexBox<Dim>& parents,
                                 const Index<Dim>& factors);

@@ -177,12 +177,12 @@ std::vector<Level> whole_levels(const Hierarchy& hierarchy) {
   return whole;
 }
 
-std::vector<Level> whole_levels(Index<3> box, double fill) {
+std::vector<Level> whole_levels(Index<3> box, double fill, int components) {
   std::vector<Level> whole;
   const bool full = fill == 1.0;
   double elements = fill * count_of(box);
   for (Index<3> factors{}; factors != Index<3>{1, 1, 1};) {
-    factors = Hierarchy::choose_factors(box, {1.0, 1.0, 1.0}, std::llround(elements));
+    factors = Hierarchy::choose_factors(box, {1.0, 1.0, 1.0}, std::llround(elements), components);
     const double nodes = full ? count_of({box[0] + 1, box[1] + 1, box[2] + 1}) : nodes_of(elements);
     whole.push_back({.box = box, .factors = factors, .fill = fill, .elements = elements, .nodes = nodes});
     for (int& extent : box) extent = (extent + 1) / 2;

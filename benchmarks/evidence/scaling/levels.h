@@ -42,8 +42,8 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Level, box, elements, nodes, own_elements, ow
 
 /// Levels as one rank alone has them, of a part whose elements are known. `hierarchy` must outlive them.
 std::vector<Level> whole_levels(const fabseq::LaneHierarchy<3>& hierarchy);
-/// The same of a part that fills this share of the box evenly.
-std::vector<Level> whole_levels(fabseq::Index<3> box, double fill);
+/// The same of a part that fills this share of the box evenly. `components`: unknowns of a node.
+std::vector<Level> whole_levels(fabseq::Index<3> box, double fill, int components);
 /// The same levels on ranks that hold the finest one like this.
 std::vector<Level> levels_on(const std::vector<Level>& whole, const fabseq::Decomposition<3>& ranges);
 

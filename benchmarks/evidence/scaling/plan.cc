@@ -91,8 +91,8 @@ Json answer_for_share(const Json& question) {
   const Index<3> box = question["box"];
   const double fill = question["fill"];
   return {{"part_elements", fill * static_cast<double>(fabseq::IndexBox<3>{{}, box}.count())},
-          {"systems", systems(question["ranks"], box, {}, scaling::whole_levels(box, fill),
-                              scaling::whole_levels(box, 1.0))}};
+          {"systems", systems(question["ranks"], box, {}, scaling::whole_levels(box, fill, 3),
+                              scaling::whole_levels(box, 1.0, 1))}};
 }
 
 }  // namespace
