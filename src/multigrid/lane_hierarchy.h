@@ -63,7 +63,7 @@ template <int Dim>
 void find_coarse_supports(MPI_Comm comm, LaneLevel<Dim>& fine, LaneLevel<Dim>& coarse, int components);
 
 /// Coarsens an axis as long as its elements are no longer than about those of the others, to a last level of
-/// at most 200 elements. The grid is padded with nothing to even counts: any count coarsens.
+/// at most coarsest_elements(). The grid is padded with nothing to even counts: any count coarsens.
 template <int Dim>
 class LaneHierarchy {
  public:

@@ -72,6 +72,7 @@ class LaneMultigrid {
   void prolong(int index, Real* x);
   /// Solves on a level below the finest, from its `right` to its `solution`.
   void solve(int index);
+  int steps_on(int index, bool patient) const { return cycle_.steps_on(index, hierarchy_.count(), patient); }
   void iterate(int index, int steps);
   void conjugate_gradients(int index, int steps);
   /// The vector updates of a step.

@@ -19,8 +19,7 @@ LaneMultigrid<Problem, Width, Real>::LaneMultigrid(LaneHierarchy<dim>& hierarchy
     level.matrix = std::make_unique<Operator>(hierarchy.level(index), problem);
     const std::size_t size = level.matrix->size();
     const bool last = index + 1 == hierarchy.count();
-    const bool iterated =
-        !last && index > 0 && std::max(cycle_.steps_on(index, false), cycle_.steps_on(index, true)) > 1;
+    const bool iterated = !last && index > 0 && std::max(steps_on(index, false), steps_on(index, true)) > 1;
     if (!last) {
       level.residual.resize(size);
       level.step.resize(size);
@@ -123,7 +122,7 @@ void LaneMultigrid<Problem, Width, Real>::prolong(int index, Real* x) {
 
 template <class Problem, int Width, class Real>
 void LaneMultigrid<Problem, Width, Real>::solve(int index) {
-  const int steps = cycle_.steps_on(index, patient_);
+  const int steps = steps_on(index, patient_);
   if (index + 1 == hierarchy_.count())
     direct_.solve(*levels_[index].matrix, right_of_parts(index).data(), solution_of_parts(index).data());
   else if (steps == 1)

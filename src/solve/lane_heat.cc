@@ -20,12 +20,14 @@ namespace fabseq {
 /// patience.
 template <int Dim>
 LaneCycle LaneHeat<Dim>::cycle() {
-  return {.kind = SolverCycle::k, .degree = 2, .steps = {1, 4, 2}, .patient_steps = {1, 4, 2}};
+  return {
+      .kind = SolverCycle::k, .degree = 2, .steps = {1, 4, 2}, .patient_steps = {1, 4, 2}, .patient_end = 2};
 }
 
 template <int Dim>
 LaneCycle LaneHeat<Dim>::cycle_of_steps() {
-  return {.kind = SolverCycle::k, .degree = 2, .steps = {1, 1, 1}, .patient_steps = {1, 4, 2}};
+  return {
+      .kind = SolverCycle::k, .degree = 2, .steps = {1, 1, 1}, .patient_steps = {1, 4, 2}, .patient_end = 2};
 }
 
 template <int Dim>

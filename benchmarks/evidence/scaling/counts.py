@@ -122,7 +122,7 @@ class LaneSolver:
         value = problem.components * width
         for level in range(last):
             if level > 0:
-                steps = problem.steps_on(level, patient)
+                steps = problem.steps_on(level, len(self.levels), patient)
                 visits *= steps
                 if steps > 1:
                     self.halo(level, value * SINGLE, visits)

@@ -40,6 +40,7 @@ Json describe(const fabseq::LaneCycle& cycle, std::integer_sequence<int, Widths.
           {"own_operators", Problem::own_operators},
           {"steps", cycle.steps},
           {"patient_steps", cycle.patient_steps},
+          {"patient_end", cycle.patient_end},
           {"patience", cycle.patience},
           {"flops", flops}};
 }

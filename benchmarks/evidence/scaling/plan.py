@@ -19,6 +19,7 @@ class Problem:
     own_operators: bool
     steps: list          # of conjugate gradients on levels 1, 2, ...; the last goes on
     patient_steps: list
+    patient_end: int     # on the level before the last, from the third on
     patience: int
     flops: dict          # of a product, per element and lane, by width
 
@@ -29,7 +30,9 @@ class Problem:
         """Entries of a node's inverse block."""
         return self.components * (self.components + 1) // 2
 
-    def steps_on(self, level, patient):
+    def steps_on(self, level, levels, patient):
+        if patient and level >= 3 and level + 2 == levels:
+            return self.patient_end
         steps = self.patient_steps if patient else self.steps
         return steps[min(level, len(steps)) - 1]
 
