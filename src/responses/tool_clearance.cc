@@ -135,7 +135,8 @@ class ToolClearance : public Response<Dim> {
     return result;
   }
 
-  /// Collective: as soon as a rank has other inputs, all take the mean anew.
+  /// Returns the mean of a state, which is kept until any rank has other inputs. Collective on the grid's
+  /// communicator.
   const Mean& mean(const StageResults<Dim>& state) const {
     Inputs inputs{state.time->time, state.time->gradient, {}, state.densities->count()};
     if (context_.element_weights != nullptr) inputs.weights = *context_.element_weights;
