@@ -53,6 +53,13 @@ if [ -n "${BASH_VERSION:-}" ]; then
   source "$(dirname "${BASH_SOURCE[0]}")/launch.sh"
 fi
 
+# FABSEQ_PROGRAM, or the program of a repository or of an installation's share/fabseq, which has a link to it.
+fabseq_program() {
+  local program=$1/fabseq
+  [ -x "$program" ] || program=$1/build/release/fabseq
+  echo "${FABSEQ_PROGRAM:-$program}"
+}
+
 # More ranks than cores, and several mpirun side by side on the same cores: for tests and for small machines.
 allow_more_ranks_than_cores() {
   export OMPI_MCA_rmaps_base_oversubscribe="${OMPI_MCA_rmaps_base_oversubscribe:-1}"

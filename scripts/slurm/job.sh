@@ -41,10 +41,9 @@ completed_iterations() { if [[ -f $1/history.jsonl ]]; then wc -l <"$1/history.j
 fabseq_until_done() {
   local config=$1 output=$2 status=0 before done_now
   shift 2
-  local launch program=$FABSEQ_ROOT/fabseq # a link, where this script is installed
-  [[ -x $program ]] || program=$FABSEQ_ROOT/build/release/fabseq
+  local launch
   read -ra launch <<<"${FABSEQ_LAUNCH:-mpirun}"
-  local command=("${launch[@]}" "${FABSEQ_PROGRAM:-$program}" -config "$config" -output "$output" -restart auto "$@")
+  local command=("${launch[@]}" "$(fabseq_program "$FABSEQ_ROOT")" -config "$config" -output "$output" -restart auto "$@")
   before=$(completed_iterations "$output")
   echo "job $job on ${SLURM_JOB_NODELIST}, start $((${SLURM_RESTART_COUNT:-0} + 1)), $(date '+%F %T'): ${command[*]}"
 

@@ -18,6 +18,4 @@ if [[ ${1:-} == -np ]]; then
 fi
 (($# > 0)) || { echo "usage: scripts/use/run.sh [-np RANKS] -config FILE.json [OPTION OF FABSEQ]..." >&2; exit 2; }
 
-program=$root/fabseq # a link, where this script is installed
-[[ -x $program ]] || program=$root/build/release/fabseq
-launch_stoppable run.sh mpirun -np "$ranks" "${FABSEQ_PROGRAM:-$program}" "$@" </dev/null
+launch_stoppable run.sh mpirun -np "$ranks" "$(fabseq_program "$root")" "$@" </dev/null
