@@ -51,6 +51,7 @@ class PlanTest(FabseqTest):
         for words in ("guided, compensated drawing", "spread, mm", "<svg", "data:image/png"):
             self.assertIn(words, page)
         self.assertEqual(os.path.exists(self.path_of("plan/compensated.stl")), welded is moved)
+        self.assertEqual("compensated.stl" in page, welded is moved)
         for name in ("report.html", "arm.json", "paths/gcode", "paths/paths.csv"):
             self.assertTrue(os.path.exists(self.path_of(f"plan/{name}")), name)
         again = self.plan("--optimize", "--post", "gcode")

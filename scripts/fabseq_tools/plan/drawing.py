@@ -21,7 +21,7 @@ NOT_MOVED = "run", "baseline", "optimizer", "stock", "output", "name"  # keys of
 
 def compensate_drawing(steps, built):
     """What remains once the mesh is moved against the distortion: its `row` if that is welded; `refused` if
-    its layers can be built less well than those of the drawing; neither where nothing is moved."""
+    the drawing's own layers are of a better class, and are welded; neither where nothing is moved."""
     row, folder = built["built"], steps.path(FOLDER)
     log = steps.path("compensated.log")
     words = [row["run"], "--output", folder, "--ranks", str(steps.arguments.ranks), "--program", steps.arguments.program,
@@ -46,7 +46,7 @@ def compensate_drawing(steps, built):
     line = (f"{quantity(after['rms_fitted'], 'mm')} left of {quantity(before['rms_fitted'], 'mm')}, "
             f"{less(before['rms_fitted'] / after['rms_fitted'])} without; its layers: {found['verdict']}")
     if rank(found["class"]) > rank(row["class"]):
-        return {"line": f"{line}, unlike those of the drawing, which is welded as it is", "refused": moved}
+        return {"line": f"{line}; the drawing's own are {row['verdict']}: weld those", "refused": moved}
     shutil.copyfile(os.path.join(folder, "compensated.stl"), steps.path("compensated.stl"))
     return {"line": line, "row": moved, "stl": steps.path("compensated.stl")}
 

@@ -52,8 +52,11 @@ def length_of(record):
 
 def clearly_better(record, drawn):
     (own, length), (of_drawn, length_drawn) = merit(record), merit(drawn)
-    stands = record["contact_area"] >= FOOTING * drawn["contact_area"]
-    return own < of_drawn or own == of_drawn and length < WORTH * length_drawn and stands
+    return own < of_drawn or own == of_drawn and length < WORTH * length_drawn and stands(record, drawn)
+
+
+def stands(record, drawn):
+    return record["contact_area"] >= FOOTING * drawn["contact_area"]
 
 
 def rotation_of(turn):
@@ -71,8 +74,8 @@ def line_of(best, drawn, records):
         if not others:
             return f"as drawn: {found}"
         least = min(others, key=length_of)
-        area = "" if length_of(least) >= WORTH * length_of(drawn) else \
-            f", on {least['contact_area']:,.0f} mm² of the plate in place of {drawn['contact_area']:,.0f}"
+        area = "" if stands(least, drawn) else \
+            f", which stands on {least['contact_area']:,.0f} mm² of the plate, as drawn on {drawn['contact_area']:,.0f}"
         return f"as drawn: {found}, at least {quantity(length_of(least), 'mm')} in {len(others)} others{area}"
     line = f"turned by {words_of(rotation_of(best['turn']))}: {found}"
     if drawn is None:
