@@ -51,7 +51,8 @@ RUNS = {"report": (["{run}"], ["config.json", "result.h5"]), "overview": (["{run
         "calibrate": (["{run}/config.json", "{run}/paths.csv", "--output", "{run}/out"], ["config.json"]),
         "coarsen": (["{run}/result.h5", "{run}/coarse.h5", "2", "0.5"], ["result.h5"]),
         "orient": (["{run}/config.json", "--output", "{run}/out"], ["config.json"]),
-        "new": (["{run}/part.stl", "--output", "{run}/new.json"], ["part.stl"])}
+        "new": (["{run}/part.stl", "--output", "{run}/new.json"], ["part.stl"]),
+        "plan": (["{run}/part.stl", "--machine", "large_bead", "--output", "{run}/out"], ["part.stl"])}
 WITHOUT_FILES = {"virtual-display", "tradeoff", "compare-families"}  # study_tools_test.py has those of the last two
 STILL_DRAWN = {"an empty object", "other things"}  # what some can do without
 WITHOUT_FIELDS = "report", {"missing", "an empty file of HDF5"}  # figures only
@@ -105,7 +106,7 @@ class DamagedFilesTest(unittest.TestCase):
         self.assertEqual(set(RUNS) | WITHOUT_FILES, set(entry.find_commands()))
         for command, (words, files) in RUNS.items():
             words = [word.format(run=self.run_folder) for word in words]
-            words += ["--program", PROGRAM] * (command in ("calibrate", "orient", "new"))
+            words += ["--program", PROGRAM] * (command in ("calibrate", "orient", "new", "plan"))
             for name in files:
                 faults = OF_A_RUN.get(name) or PROGRAM_LOOKS.get(name) or (NO_RESULTS if name.endswith(".h5") else NO_CONFIGS)
                 for fault, content in faults.items():
