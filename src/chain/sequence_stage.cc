@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/chain/sequence_stage.h"
 
+#include "fabseq/base/mpi.h"
 #include "fabseq/chain/stages.h"
 
 #include <algorithm>
@@ -33,12 +34,27 @@ SequenceStage<Dim>::SequenceStage(StageContext<Dim>& context)
       sequence_(context.sequence ? std::move(context.sequence)
                                  : make_sequence(context.model, context.tolerance)) {}
 
+/// Smooth and binary layers of a design share its pseudo-time.
 template <int Dim>
 void SequenceStage<Dim>::forward(const StageInput& input, StageResults<Dim>& results) {
-  sequence_->set_tolerance(sequence_tolerance(input.tolerance));
-  results.time = sequence_->update(groups_.gather(input.design.field));
-  iterations_.clear();
-  if (results.time->iterations) iterations_.push_back(*results.time->iterations);
+  const SolveTolerance tolerance = sequence_tolerance(input.tolerance);
+  if (!is_solved(input.design.field, tolerance)) {
+    solved_.reset();
+    sequence_->set_tolerance(tolerance);
+    const PseudoTime<Dim>& time = sequence_->update(groups_.gather(input.design.field));
+    solved_ = {input.design.field, tolerance, &time};
+    iterations_.clear();
+    if (time.iterations) iterations_.push_back(*time.iterations);
+  }
+  results.time = *solved_->time;
+}
+
+/// Whether all ranks have the pseudo-time of that design, at least as close.
+template <int Dim>
+bool SequenceStage<Dim>::is_solved(const std::vector<double>& design, const SolveTolerance& tolerance) const {
+  const bool close =
+      solved_ && solved_->tolerance.value <= tolerance.value && solved_->tolerance.reach <= tolerance.reach;
+  return close && !any(groups_.world(), design != solved_->design);
 }
 
 template <int Dim>

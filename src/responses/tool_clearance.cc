@@ -8,8 +8,10 @@
 #include "responses/smooth_excess.h"
 #include "responses/unit_gradient.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <utility>
 
 namespace fabseq {
@@ -50,8 +52,7 @@ class ToolClearance : public Response<Dim> {
         samples_(torch_samples<Dim>(context.tool, up_, diagonal(context.part.grid()), settings.samples)),
         halo_(context.part.grid(), width(context)),
         box_(ringed(halo_.box())),
-        density_(ringed_field(standing_density(context.part))),
-        material_around_(material_around()) {
+        density_(ringed_field(standing_density(context.part))) {
     for (int number = 0; number < corner_count<Dim>; ++number)
       steps_[number] = box_.offset(stepped<Dim>(box_.start, number, 1));
     for (int i = 0; i < Dim; ++i) per_length_[i] = 1.0 / context.part.grid().spacing()[i];
@@ -87,8 +88,11 @@ class ToolClearance : public Response<Dim> {
   };
   /// Pseudo-times in box_, and how much earlier than another they have to be.
   struct Field {
-    std::vector<double> time;
+    std::vector<double> time, earliest_around;  ///< the second one by cell
     double delay, sharpness;
+
+    double beyond(double time_of_torch, double earlier) const { return time_of_torch - earlier - delay; }
+    bool counts_for_nothing(double beyond) const { return beyond < nothing * sharpness; }
   };
   struct Place {
     Index<Dim> element;
@@ -124,13 +128,13 @@ class ToolClearance : public Response<Dim> {
     return context_.part.restrict_to_part(halo_.scatter_add(result));
   }
 
-  /// Whether any of the elements around a cell holds material.
-  std::vector<char> material_around() const {
-    std::vector<char> result(static_cast<std::size_t>(box_.count()), 0);
+  /// The earliest time of the elements around a cell that hold material; infinity where none does.
+  std::vector<double> earliest_around(const std::vector<double>& time) const {
+    std::vector<double> result(time.size(), std::numeric_limits<double>::infinity());
     halo_.box().for_each([&](const Index<Dim>& element, std::int64_t) {
-      if (density_[box_.offset(element)] == 0.0) return;
-      for (int number = 0; number < corner_count<Dim>; ++number)
-        result[box_.offset(stepped<Dim>(element, number, -1))] = 1;
+      const std::int64_t c = box_.offset(element);
+      if (density_[c] == 0.0) return;
+      for (const std::int64_t step : steps_) result[c - step] = std::min(result[c - step], time[c]);
     });
     return result;
   }
@@ -148,8 +152,10 @@ class ToolClearance : public Response<Dim> {
   Mean new_mean(const StageResults<Dim>& state) const {
     const Part<Dim>& part = context_.part;
     const double layer = 1.0 / state.densities->count();
-    const Field field{ringed_field(part.expand(state.time->time, 0.0, substrate_time)),
-                      settings_.delay * layer, settings_.sharpness * layer};
+    std::vector<double> time = ringed_field(part.expand(state.time->time, 0.0, substrate_time));
+    std::vector<double> earliest = earliest_around(time);
+    const Field field{std::move(time), std::move(earliest), settings_.delay * layer,
+                      settings_.sharpness * layer};
     Mean result{.d_time = std::vector<double>(part.elements().size()),
                 .d_gradient = std::vector<double>(turns() ? state.time->gradient.size() : 0)};
     std::vector<double> d_field(field.time.size());
@@ -214,11 +220,11 @@ class ToolClearance : public Response<Dim> {
     }
     if (!box_.contains(first)) return;
     const std::int64_t cell = box_.offset(first);
-    if (material_around_[cell] == 0) return;
+    if (field.counts_for_nothing(field.beyond(place.time, field.earliest_around[cell]))) return;
     for (int number = 0; number < corner_count<Dim>; ++number) {
       const std::int64_t c = cell + steps_[number];
-      const double beyond = place.time - field.time[c] - field.delay;
-      if (density_[c] == 0.0 || beyond < nothing * field.sharpness) continue;
+      const double beyond = field.beyond(place.time, field.time[c]);
+      if (density_[c] == 0.0 || field.counts_for_nothing(beyond)) continue;
       double weight = 1.0;
       Point<Dim> slope;
       slope.fill(1.0);
@@ -239,7 +245,6 @@ class ToolClearance : public Response<Dim> {
   ElementHalo<Dim> halo_;
   IndexBox<Dim> box_;  ///< the halo's and a ring of elements, and so cells between centres, by their lowest
   std::vector<double> density_;                        ///< in box_
-  std::vector<char> material_around_;                  ///< in box_, [cell]
   std::array<std::int64_t, corner_count<Dim>> steps_;  ///< from a cell to the elements around
   Point<Dim> per_length_;                              ///< elements, along each axis
   mutable Mean mean_;

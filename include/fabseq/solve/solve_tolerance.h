@@ -18,6 +18,8 @@ struct SolveTolerance {
   /// The value where stiff pieces hang in soft surroundings (LaneStop::of_islands); 0: the same. The
   /// reference path, which looks for none, takes the smaller of both.
   double of_islands = 0.0;
+  /// The value for the sequence's own equation; 0: a thousandth of the value.
+  double of_sequence = 0.0;
 
   double smallest() const { return of_islands > 0.0 ? std::min(value, of_islands) : value; }
   /// Not below what rounding leaves.
@@ -34,6 +36,7 @@ constexpr SolveTolerance elasticity_tolerance(const SolveTolerance& of_run) {
   return {std::max(of_run.value, smallest_tolerance), of_run.reach, of_run.flow, of_run.warm};
 }
 constexpr SolveTolerance sequence_tolerance(const SolveTolerance& of_run) {
+  if (of_run.of_sequence > 0.0) return {of_run.of_sequence};
   return {std::max(1e-3 * of_run.value, smallest_tolerance), of_run.reach};
 }
 constexpr SolveTolerance step_tolerance(const SolveTolerance& of_run) {
