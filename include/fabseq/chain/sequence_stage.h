@@ -16,7 +16,7 @@ class SequenceStage : public Stage<Dim> {
  public:
   explicit SequenceStage(StageContext<Dim>& context);
 
-  /// For any use: the next forward() solves again.
+  /// Returns the sequence for any use: the next forward() solves again.
   Sequence<Dim>& sequence() {
     solved_.reset();
     return *sequence_;
