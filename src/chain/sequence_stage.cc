@@ -54,7 +54,7 @@ template <int Dim>
 bool SequenceStage<Dim>::is_solved(const std::vector<double>& design, const SolveTolerance& tolerance) const {
   const bool close =
       solved_ && solved_->tolerance.value <= tolerance.value && solved_->tolerance.reach <= tolerance.reach;
-  return close && !any(groups_.world(), design != solved_->design);
+  return !any(groups_.world(), !close || design != solved_->design);
 }
 
 template <int Dim>

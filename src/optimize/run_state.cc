@@ -43,9 +43,9 @@ Tolerances RunState<Dim>::tolerances() const {
     result = following_tolerances(continuation.move_limit(iteration), share_left_);
     if (continuation.near_the_end(iteration)) result.primal = finest;
     result.primal.warm = result.adjoint.warm = true;
-    if (continuation.judges_binary(iteration))  // smooth and binary layers have one pseudo-time
-      result.primal.of_sequence = result.judged.of_sequence =
-          sequence_tolerance({std::min(result.primal.value, result.judged.value)}).value;
+    // Smooth layers then take the pseudo-time of the binary ones, which come first.
+    result.judged.of_sequence =
+        sequence_tolerance({std::min(result.primal.value, result.judged.value)}).value;
   }
   constexpr double usual = 0.1, at_the_end = 0.01, for_comparison = 0.001;
   result.primal.flow = result.adjoint.flow = continuation.near_the_end(iteration) ? at_the_end : usual;

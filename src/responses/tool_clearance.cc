@@ -88,7 +88,8 @@ class ToolClearance : public Response<Dim> {
   };
   /// Pseudo-times in box_, and how much earlier than another they have to be.
   struct Field {
-    std::vector<double> time, earliest_around;  ///< the second one by cell
+    std::vector<double> time;
+    std::vector<double> earliest_around;  ///< [cell]: of the elements around that hold material, or infinity
     double delay, sharpness;
 
     double beyond(double time_of_torch, double earlier) const { return time_of_torch - earlier - delay; }
@@ -128,7 +129,7 @@ class ToolClearance : public Response<Dim> {
     return context_.part.restrict_to_part(halo_.scatter_add(result));
   }
 
-  /// The earliest time of the elements around a cell that hold material; infinity where none does.
+  /// Returns Field::earliest_around for times in box_.
   std::vector<double> earliest_around(const std::vector<double>& time) const {
     std::vector<double> result(time.size(), std::numeric_limits<double>::infinity());
     halo_.box().for_each([&](const Index<Dim>& element, std::int64_t) {

@@ -45,6 +45,7 @@ class SequenceStage : public Stage<Dim> {
     const PseudoTime<Dim>* time = nullptr;  ///< the sequence's
   };
 
+  /// Collective on the world of the groups.
   bool is_solved(const std::vector<double>& design, const SolveTolerance& tolerance) const;
 
   const LayerGroups& groups_;
