@@ -43,7 +43,8 @@ fabseq_until_done() {
   shift 2
   local launch
   read -ra launch <<<"${FABSEQ_LAUNCH:-mpirun}"
-  local command=("${launch[@]}" "$(fabseq_program "$FABSEQ_ROOT")" -config "$config" -output "$output" -restart auto "$@")
+  local command=("${launch[@]}" "$(fabseq_program "$FABSEQ_ROOT")"
+    -config "$config" -output "$output" -restart auto "$@")
   before=$(completed_iterations "$output")
   echo "job $job on ${SLURM_JOB_NODELIST}, start $((${SLURM_RESTART_COUNT:-0} + 1)), $(date '+%F %T'): ${command[*]}"
 

@@ -75,7 +75,8 @@ def line_of(best, drawn, records):
             return f"as drawn: {found}"
         least = min(others, key=length_of)
         area = "" if stands(least, drawn) else \
-            f", which stands on {least['contact_area']:,.0f} mm² of the plate, as drawn on {drawn['contact_area']:,.0f}"
+            f", which stands on {least['contact_area']:,.0f} mm² of the plate, " \
+            f"as drawn on {drawn['contact_area']:,.0f}"
         return f"as drawn: {found}, at least {quantity(length_of(least), 'mm')} in {len(others)} others{area}"
     line = f"turned by {words_of(rotation_of(best['turn']))}: {found}"
     if drawn is None:
