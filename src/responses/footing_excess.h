@@ -27,18 +27,26 @@ class FootingExcess {
     }
   }
 
-  /// Too high, too low, too far to the side; in units of the shortest edge. `axis`: the build direction, no
-  /// longer than 1.
-  std::array<double, count> values(const Point<Dim>& axis) const {
-    const double along = -dot(offset_, axis), radius = footing_.radius;
-    double extent = 0.0, deepest = 0.0;
+  /// How far an element reaches along a build direction, smoothly, length unit.
+  struct Extent {
+    double largest = 0.0, least = 0.0;
+  };
+  static Extent extent(const Footing<Dim>& footing, const Point<Dim>& axis) {
+    Extent result;
     for (int i = 0; i < Dim; ++i) {
       const double root = std::sqrt(axis[i] * axis[i] + rounded_edge * rounded_edge);
-      extent += root * footing_.spacing[i];
-      deepest += (root - rounded_edge) * footing_.spacing[i];
+      result.largest += root * footing.spacing[i];
+      result.least += (root - rounded_edge) * footing.spacing[i];
     }
-    return {(0.5 * extent - along) / least_edge_,
-            next_ ? -std::numeric_limits<double>::infinity() : (along - deepest) / least_edge_,
+    return result;
+  }
+
+  /// Too high, too low, too far to the side; in units of the shortest edge. `axis`: the build direction, no
+  /// longer than 1.
+  std::array<double, count> values(const Point<Dim>& axis, const Extent& extent) const {
+    const double along = -dot(offset_, axis), radius = footing_.radius;
+    return {(0.5 * extent.largest - along) / least_edge_,
+            next_ ? -std::numeric_limits<double>::infinity() : (along - extent.least) / least_edge_,
             (dot(offset_, offset_) - along * along - radius * radius) / (2.0 * radius * least_edge_)};
   }
 

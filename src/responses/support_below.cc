@@ -13,8 +13,9 @@ namespace {
 constexpr double sharpness_of_footing = 0.25;
 /// The lack of support where there is nothing at all around an element.
 constexpr double largest_lack = 100.0;
-/// Elements that miss the footing by more support by less than a rounding error of that (in exponents).
-constexpr double negligible_support = 2.0 * largest_lack;
+/// Elements whose largest exponent is larger than another one's by more support by less than a rounding error
+/// of what that one does; those with more than twice the lack of support, of that lack.
+constexpr double negligible_support = 45.0;
 /// Sub-parts that an element misses by more count it by less than any rounding error.
 constexpr double negligible_count = 60.0;
 
@@ -64,32 +65,47 @@ typename SupportBelow<Dim>::Material SupportBelow<Dim>::material_at(const Index<
   return mark == 0.0 ? Material::none : mark == 1.0 ? Material::part : Material::standing;
 }
 
+/// Sets where the neighbour is and how late. Returns whether there is material.
+template <int Dim>
+bool SupportBelow<Dim>::find_material(const Index<Dim>& element, const BuildTime& when,
+                                      std::span<const double> times, Neighbour& neighbour) const {
+  const Material material = material_at(element);
+  if (material == Material::none) return false;
+  neighbour.exponent[Neighbour::late] = -BuildTime::infinite;
+  if (material == Material::part) {
+    neighbour.position = halo_.box().offset(element);
+    const double latest = when.of_sub_part ? when.end : when.time;
+    neighbour.exponent[Neighbour::late] = (times[neighbour.position] - latest) / (when.clock * sharpness_);
+  }
+  return true;
+}
+
+/// Most steps lead to elements that support by next to nothing beside the others.
 template <int Dim>
 std::vector<typename SupportBelow<Dim>::Neighbour> SupportBelow<Dim>::neighbours(
     std::size_t element, const BuildTime& when, const Point<Dim>& axis, std::span<const double> times) const {
   const Index<Dim> index = part_.grid().owned_elements().index(part_.elements()[element]);
-  const double latest = when.of_sub_part ? when.end : when.time;
+  const auto extent = FootingExcess<Dim>::extent(footing_, axis);
   std::vector<Neighbour> result;
+  result.reserve(steps_.size());
+  double bound = 2.0 * largest_lack;
   for (std::size_t s = 0; s < steps_.size(); ++s) {
     Neighbour neighbour{.step = s, .position = -1};
-    const auto excess = excesses_[s].values(axis);
+    const auto excess = excesses_[s].values(axis, extent);
     for (std::size_t k = 0; k < excess.size(); ++k)
       neighbour.exponent[k] = excess[k] / (sharpness_of_footing * sharpness_);
-    if (*std::max_element(neighbour.exponent.begin(), neighbour.exponent.begin() + Neighbour::late) >
-        negligible_support)
-      continue;
+    neighbour.largest =
+        *std::max_element(neighbour.exponent.begin(), neighbour.exponent.begin() + Neighbour::late);
+    if (neighbour.largest > bound) continue;
     Index<Dim> other = index;
     for (int i = 0; i < Dim; ++i) other[i] += steps_[s][i];
-    const Material material = material_at(other);
-    if (material == Material::none) continue;
-    neighbour.exponent[Neighbour::late] = -BuildTime::infinite;
-    if (material == Material::part) {
-      neighbour.position = halo_.box().offset(other);
-      neighbour.exponent[Neighbour::late] = (times[neighbour.position] - latest) / (when.clock * sharpness_);
-    }
-    neighbour.log_support = -log_of_sum(neighbour.exponent) - log_count_;
+    if (!find_material(other, when, times, neighbour)) continue;
+    neighbour.largest = std::max(neighbour.largest, neighbour.exponent[Neighbour::late]);
+    bound = std::min(bound, neighbour.largest + negligible_support);
     result.push_back(neighbour);
   }
+  std::erase_if(result, [&](const Neighbour& neighbour) { return neighbour.largest > bound; });
+  for (Neighbour& neighbour : result) neighbour.log_support = -log_of_sum(neighbour.exponent) - log_count_;
   return result;
 }
 
@@ -117,20 +133,22 @@ double SupportBelow<Dim>::log_support(const std::vector<Neighbour>& around, cons
 }
 
 template <int Dim>
-double SupportBelow<Dim>::lack(std::size_t element, const BuildTime& when, const Point<Dim>& axis,
-                               std::span<const double> times) const {
-  return -log_support(neighbours(element, when, axis, times), when);
+typename SupportBelow<Dim>::Support SupportBelow<Dim>::support(std::size_t element, const BuildTime& when,
+                                                               const Point<Dim>& axis,
+                                                               std::span<const double> times) const {
+  Support result{.around = neighbours(element, when, axis, times)};
+  result.lack = -log_support(result.around, when);
+  return result;
 }
 
 /// Uses the bracket S: dX = sum_y (P_y / (n S)) sum_k (e^z_yk P_y) dz_yk + sum_u (e^-u / S) du.
 template <int Dim>
-LackDerivative<Dim> SupportBelow<Dim>::derivative(std::size_t element, const BuildTime& when,
-                                                  const Point<Dim>& axis, std::span<const double> times,
-                                                  double weight, std::span<double> d_times) const {
-  const std::vector<Neighbour> around = neighbours(element, when, axis, times);
-  const double log_bracket = log_support(around, when) + (when.of_sub_part ? std::log(3.0) : 0.0);
+LackDerivative<Dim> SupportBelow<Dim>::derivative(const Support& support, const BuildTime& when,
+                                                  const Point<Dim>& axis, double weight,
+                                                  std::span<double> d_times) const {
+  const double log_bracket = -support.lack + (when.of_sub_part ? std::log(3.0) : 0.0);
   LackDerivative<Dim> result;
-  for (const Neighbour& neighbour : around) {
+  for (const Neighbour& neighbour : support.around) {
     const double by_support = weight * std::exp(neighbour.log_support - log_bracket);
     std::array<double, Neighbour::late + 1> by;  // dX / dz_yk
     for (std::size_t k = 0; k < by.size(); ++k)

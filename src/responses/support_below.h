@@ -55,29 +55,37 @@ class SupportBelow {
 
   /// Whether the element counts in its sub-part by more than a trace.
   bool may_belong(const BuildTime& when) const;
-  /// X of a part element. \param axis  its build direction \param times  gather()
-  double lack(std::size_t element, const BuildTime& when, const Point<Dim>& axis,
-              std::span<const double> times) const;
-  /// Derivatives of `weight` X. Adds those with respect to the times of other elements to `d_times`, shaped
-  /// as `times`.
-  LackDerivative<Dim> derivative(std::size_t element, const BuildTime& when, const Point<Dim>& axis,
-                                 std::span<const double> times, double weight,
-                                 std::span<double> d_times) const;
-
- private:
   /// An element around another one that may support it.
   struct Neighbour {
     static constexpr std::size_t late = FootingExcess<Dim>::count;
     std::size_t step;                         ///< number of the step to it
     std::ptrdiff_t position;                  ///< in the halo's box; -1: it stands from the start
     std::array<double, late + 1> exponent{};  ///< z_yk
+    double largest = 0.0;                     ///< of these
     double log_support = 0.0;                 ///< ln(P_y / n)
   };
+  /// What supports a part element, and what it lacks.
+  struct Support {
+    std::vector<Neighbour> around;
+    double lack = 0.0;  ///< X
+  };
+
+  /// Support of a part element. \param axis  its build direction \param times  gather()
+  Support support(std::size_t element, const BuildTime& when, const Point<Dim>& axis,
+                  std::span<const double> times) const;
+  /// Derivatives of `weight` X. Adds those with respect to the times of other elements to `d_times`, shaped
+  /// as the times.
+  LackDerivative<Dim> derivative(const Support& support, const BuildTime& when, const Point<Dim>& axis,
+                                 double weight, std::span<double> d_times) const;
+
+ private:
   enum class Material : char { none, part, standing };
 
   Material material_at(const Index<Dim>& element) const;
   std::vector<Neighbour> neighbours(std::size_t element, const BuildTime& when, const Point<Dim>& axis,
                                     std::span<const double> times) const;
+  bool find_material(const Index<Dim>& element, const BuildTime& when, std::span<const double> times,
+                     Neighbour& neighbour) const;
   /// -u_begin and -u_end.
   std::array<double, 2> outside(const BuildTime& when) const;
   /// -X of a bracket that holds these terms.

@@ -34,7 +34,7 @@ class Supported : public Response<Dim> {
     for_each(state, [&](std::size_t e, int, const BuildTime& when, const UnitGradient<Dim>&,
                         const Point<Dim>& axis) {
       if (const double counts = context_.weight_of(e); counts > 0.0)
-        total += counts * SmoothExcess(below_.lack(e, when, axis, times)).value;
+        total += counts * SmoothExcess(below_.support(e, when, axis, times).lack).value;
     });
     return {sum(context_.part.grid().comm(), total) * unit()};
   }
@@ -49,9 +49,9 @@ class Supported : public Response<Dim> {
     for_each(state, [&](std::size_t e, int sub_part, const BuildTime& when, const UnitGradient<Dim>& gradient,
                         const Point<Dim>& axis) {
       if (context_.weight_of(e) == 0.0) return;
-      const double factor =
-          weight * context_.weight_of(e) * unit() * SmoothExcess(below_.lack(e, when, axis, times)).slope;
-      const LackDerivative<Dim> by = below_.derivative(e, when, axis, times, factor, d_times);
+      const auto support = below_.support(e, when, axis, times);
+      const double factor = weight * context_.weight_of(e) * unit() * SmoothExcess(support.lack).slope;
+      const LackDerivative<Dim> by = below_.derivative(support, when, axis, factor, d_times);
       d_time[e] += by.time;
       // The clock is M_e times an edge.
       for (int i = 0; i < Dim; ++i) d_gradient[e * Dim + i] += by.clock * below_.edge() * gradient.vector[i];
