@@ -34,11 +34,14 @@ MmaBox::MmaBox(std::size_t local)
 
 MmaVariables::MmaVariables(MPI_Comm comm, const MmaBox& box, std::span<const double> objective_gradient,
                            std::span<const std::span<const double>> gradients)
-    : comm_(comm), box_(box), objective_gradient_(objective_gradient), gradients_(gradients) {
+    : comm_(comm),
+      box_(box),
+      objective_gradient_(objective_gradient),
+      gradients_(gradients),
+      scaled_rows_(gradients.size() + 1, block_size) {
   for (auto* vector : {&v_, &plain_, &curved_, &plain_direction_, &curved_direction_})
     vector->assign(box.size(), 0.0);
   const std::size_t rows = gradients.size() + 1;
-  scaled_rows_.resize(block_size * rows);
   sums_.schur.resize(rows * rows);
   sums_.change.resize(gradients.size());
   sums_.wall.resize(gradients.size());
@@ -92,7 +95,6 @@ void MmaVariables::combine(std::size_t begin, std::span<const double> lambda, do
 }
 
 const MmaSums& MmaVariables::evaluate(double t, double barrier) {
-  const auto rows = static_cast<int>(gradients_.size()) + 1, depth = static_cast<int>(block_size);
   std::fill(sums_.schur.begin(), sums_.schur.end(), 0.0);
   std::fill(sums_.change.begin(), sums_.change.end(), 0.0);
   std::fill(sums_.wall.begin(), sums_.wall.end(), 0.0);
@@ -106,9 +108,8 @@ const MmaSums& MmaVariables::evaluate(double t, double barrier) {
     block.expand(barrier);
     std::copy_n(block.v.begin(), block.count, v_.begin() + static_cast<std::ptrdiff_t>(begin));
     add_rows(begin, block);
-    const auto count = static_cast<int>(block.count);
-    const double one = 1.0;
-    dsyrk_("L", "T", &rows, &count, &one, scaled_rows_.data(), &depth, &one, sums_.schur.data(), &rows);
+    constexpr std::size_t step = RowProducts::column_step;
+    scaled_rows_.add_to(sums_.schur, (block.count + step - 1) / step * step);
   }
   direction_is_new_ = false;
   reduce();
@@ -138,17 +139,19 @@ void MmaVariables::add_rows(std::size_t begin, const MmaBlock& block) {
   MmaBlock::Array magnitude;
   for (std::size_t i = 0; i < m; ++i) {
     const double* gradient = gradients_[i].data() + begin;
-    double* __restrict scaled = scaled_rows_.data() + i * block_size;
+    double* __restrict scaled = scaled_rows_.row(i);
     for (std::size_t k = 0; k < count; ++k) {
       magnitude[k] = std::abs(gradient[k]);
       scaled[k] =
           gradient[k] * block.even_slope[k] + magnitude[k] * block.bulge_slope[k] + block.curvature_slope[k];
     }
+    std::fill(scaled + count, scaled + block_size, 0.0);
     sums_.change[i] += block.curvature_change + dot(count, gradient, block.even.data()) +
                        dot(count, magnitude.data(), block.bulge.data());
     sums_.wall[i] += block.curvature_wall + dot(count, magnitude.data(), block.wall.data());
   }
-  std::copy_n(block.kappa.begin(), count, scaled_rows_.begin() + static_cast<std::ptrdiff_t>(m * block_size));
+  double* const last = scaled_rows_.row(m);
+  std::fill(std::copy_n(block.kappa.begin(), count, last), last + block_size, 0.0);
 }
 
 // One message: the lower triangle packed, the rows' own sums.

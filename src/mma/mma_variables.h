@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "mma/row_products.h"
+
 #include <mpi.h>
 
 #include <array>
@@ -112,7 +114,7 @@ class MmaVariables {
   std::vector<double> lambda_direction_;
   bool direction_is_new_ = false;  // the variables have not heard of it yet
   std::vector<double> v_, plain_, curved_, plain_direction_, curved_direction_;  // v, S, T, dS, dT
-  std::vector<double> scaled_rows_;  // block_size x (m + 1), by columns
+  RowProducts scaled_rows_;  // of a block: m + 1 rows
   std::vector<double> message_;
   MmaSums sums_;
 };
