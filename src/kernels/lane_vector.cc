@@ -6,8 +6,12 @@
 namespace fabseq {
 
 void resize(LaneVector& vector, int nodes, int components, int lanes) {
-  if (vector.nodes != nodes || vector.components != components || vector.lanes != lanes)
-    vector = LaneVector(nodes, components, lanes);
+  const std::size_t size = static_cast<std::size_t>(nodes) * components * lanes;
+  vector.nodes = nodes;
+  vector.components = components;
+  vector.lanes = lanes;
+  if (vector.values.capacity() < size) vector.values = {};  // nothing is to be moved
+  vector.values.resize(size);
 }
 
 void pick(const LaneVector& all, std::span<const int> nodes, LaneVector& some) {

@@ -46,12 +46,12 @@ void ElasticAdjoint<Dim>::add_derivatives(std::size_t block, const ElasticFuncti
   if (adjoint != nullptr) {
     // Functionals of the same block share its increments.
     if (spread_from_ != &increments)
-      spread(increments, run_.result.nodes[block], run_.systems.owned_nodes(), increments_);
+      spread(increments, run_.result.nodes[block], run_.systems.owned_nodes(), run_.increments);
     spread_from_ = combination.empty() ? &increments : nullptr;
     run_.systems.elements().add_derivatives(
         run_.densities, run_.systems.blocks()[block],
-        CaseStrain<Dim>(run_.strains, run_.cases.factors(combination)), increments_, *adjoint, *to.densities,
-        to.strains != nullptr ? std::span(*to.strains) : std::span<double>());
+        CaseStrain<Dim>(run_.strains, run_.cases.factors(combination)), run_.increments, *adjoint,
+        *to.densities, to.strains != nullptr ? std::span(*to.strains) : std::span<double>());
   }
   if (run_.deposition != nullptr)
     run_.deposition->add_derivatives(missing_, run_.result.steps_of(block), run_.result.nodes[block],

@@ -33,6 +33,7 @@ struct ElasticRun {
   const LayerDensities& densities;
   const StrainSource<Dim>& strains;
   const ProcessResult& result;
+  LaneVector& increments;  ///< memory for those of a block on all owned nodes
 };
 
 /// Adjoint loads of several functionals, and what their solutions add to the derivatives
@@ -58,8 +59,7 @@ class ElasticAdjoint : public StepLoads {
   std::span<const ElasticFunctional> functionals_;
   std::vector<std::size_t> solved_;                         ///< functionals, by side of the block
   std::vector<typename Deposition<Dim>::Missing> missing_;  ///< of the block's steps
-  LaneVector increments_;                                   ///< of the block, on all owned nodes
-  const LaneVector* spread_from_ = nullptr;                 ///< the result's that these are, if any
+  const LaneVector* spread_from_ = nullptr;                 ///< the result's that run_.increments are, if any
 };
 
 }  // namespace fabseq

@@ -119,7 +119,8 @@ void ElasticProcess<Dim>::pull_back(const LayerDensities& densities,
   for (const ProcessDerivatives& own : derivatives)
     if (own.strains != nullptr) own.strains->resize(strains_->input_count(), 0.0);
   adjoint_loads_.update(densities, result_, functionals);
-  const ElasticRun<Dim> run{systems_, supports_, deposition_.get(), cases_, densities, *strains_, result_};
+  const ElasticRun<Dim> run{systems_,  supports_, deposition_.get(), cases_,
+                            densities, *strains_, result_,           increments_};
   ElasticAdjoint<Dim> adjoint(run, adjoint_loads_, all);
   adjoint_iterations_ = systems_.solve(densities, SolvePurpose::adjoint, adjoint);
 }

@@ -10,11 +10,9 @@
 
 namespace fabseq {
 
-/// Vectors reused from block to block.
 template <int Dim>
 struct StepSystems<Dim>::Workspace {
   std::vector<LaneVector> loads, solutions;
-  SolveCount count;
 };
 
 template <int Dim>
@@ -26,7 +24,8 @@ StepSystems<Dim>::StepSystems(const ElasticModel<Dim>& model, std::unique_ptr<El
       lanes_(lanes),
       elements_(model),
       solver_(std::move(solver)),
-      last_(std::make_unique<LastSolutions>()) {}
+      last_(std::make_unique<LastSolutions>()),
+      workspace_(std::make_unique<Workspace>()) {}
 
 template <int Dim>
 StepSystems<Dim>::~StepSystems() = default;
@@ -102,13 +101,12 @@ typename StepSystems<Dim>::Place StepSystems<Dim>::place_of(int step) const {
 template <int Dim>
 std::vector<int> StepSystems<Dim>::solve(const LayerDensities& densities, SolvePurpose purpose,
                                          StepLoads& loads) {
-  Workspace workspace{{}, {}, SolveCount(steps_.size())};
+  SolveCount count(steps_.size());
   groups_.run([&] {
     for (std::size_t block = 0; block < blocks_.size(); ++block)
-      solve_block(densities, block, purpose, loads, workspace);
+      solve_block(densities, block, purpose, loads, count);
   });
   save_memory();
-  SolveCount& count = workspace.count;
   count.gather(groups_);
   if (expected_work_.size() != 2 * count.all.size()) expected_work_.assign(2 * count.all.size(), 0.0);
   std::ranges::copy(count.all,
@@ -118,15 +116,17 @@ std::vector<int> StepSystems<Dim>::solve(const LayerDensities& densities, SolveP
 
 template <int Dim>
 void StepSystems<Dim>::solve_block(const LayerDensities& densities, std::size_t block, SolvePurpose purpose,
-                                   StepLoads& loads, Workspace& workspace) {
+                                   StepLoads& loads, SolveCount& iterations) {
   BlockRegion& region = blocks_[block];
   if (built_ && purpose == SolvePurpose::forward) region = built_->of(densities, region.block, region.steps);
   const std::size_t all = loads.begin(block);
   if (all == 0) return;
   (void)set_operators(densities, block, /*changed=*/purpose == SolvePurpose::forward);
   const std::size_t at_once = std::min(all, solver_->sets_at_once());
-  workspace.loads.resize(at_once);
-  workspace.solutions.resize(at_once);
+  Workspace& workspace = *workspace_;
+  // Fresh memory costs more than what is done with it.
+  if (workspace.loads.size() < at_once) workspace.loads.resize(at_once);
+  if (workspace.solutions.size() < at_once) workspace.solutions.resize(at_once);
   for (std::size_t first = 0; first < all; first += at_once) {
     const std::size_t count = std::min(at_once, all - first);
     for (std::size_t i = 0; i < count; ++i) {
@@ -139,7 +139,7 @@ void StepSystems<Dim>::solve_block(const LayerDensities& densities, std::size_t 
     const auto reports = warm_ && all <= most_kept ? solve_warm(region, purpose, first, loads_now, solutions)
                                                    : solver_->solve(loads_now, solutions);
     for (std::size_t i = 0; i < count; ++i) {
-      workspace.count.add(reports[i], region, purpose == SolvePurpose::adjoint ? "adjoint" : "forward");
+      iterations.add(reports[i], region, purpose == SolvePurpose::adjoint ? "adjoint" : "forward");
       loads.take(block, first + i, workspace.solutions[i]);
     }
   }
@@ -162,8 +162,16 @@ std::vector<std::vector<SolveReport>> StepSystems<Dim>::solve_warm(const BlockRe
 }
 
 template <int Dim>
+void StepSystems<Dim>::save_memory() {
+  if (!solver_->saves_memory()) return;
+  solver_->release_memory();
+  *workspace_ = {};
+}
+
+template <int Dim>
 void StepSystems<Dim>::release_memory() {
   solver_->release_memory();
+  *workspace_ = {};
   last_->forget();
 }
 

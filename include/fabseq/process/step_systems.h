@@ -21,6 +21,7 @@
 namespace fabseq {
 
 class LastSolutions;
+struct SolveCount;
 
 /// Right-hand sides of the systems of a process, block by block, and where their solutions go. Vectors are on
 /// all owned nodes, with a lane per step of the block. Calls are collective on the grid's communicator.
@@ -103,9 +104,7 @@ class StepSystems {
   std::vector<SolveReport> solve_current(std::size_t block, const LaneVector& load, LaneVector& solution,
                                          const char* what);
   /// Gives back the solver's memory if it is to save it, until the next set_operators(). Not collective.
-  void save_memory() {
-    if (solver_->saves_memory()) solver_->release_memory();
-  }
+  void save_memory();
   /// Later systems are solved to this tolerance.
   void set_tolerance(const SolveTolerance& tolerance) {
     solver_->set_tolerance(tolerance);
@@ -130,7 +129,7 @@ class StepSystems {
  private:
   struct Workspace;
   void solve_block(const LayerDensities& densities, std::size_t block, SolvePurpose purpose, StepLoads& loads,
-                   Workspace& workspace);
+                   SolveCount& iterations);
   std::vector<std::vector<SolveReport>> solve_warm(const BlockRegion& region, SolvePurpose purpose,
                                                    std::size_t first, std::span<const LaneVector> loads,
                                                    std::span<LaneVector> solutions);
@@ -152,6 +151,7 @@ class StepSystems {
   bool warm_ = false;
   std::optional<std::pair<std::size_t, StepDeal>> warm_deal_;  ///< number of steps of warm solves, their deal
   std::unique_ptr<LastSolutions> last_;
+  std::unique_ptr<Workspace> workspace_;  ///< vectors reused from block to block and from solve to solve
 };
 
 }  // namespace fabseq
