@@ -66,7 +66,7 @@ class LaneCg {
   /// The same from a multiple of a first guess, which `solution` holds; 0 in a lane: none. `smallest`: what
   /// is known of the smallest eigenvalues of M K, at most 1: a few steps tell little of them.
   std::vector<LaneOutcome> improve(LaneArray& load, LaneArray& solution, int lanes, const LaneStop& stop,
-                                   const Scalars& smallest);
+                                   const Scalars& smallest = LaneProgress<Width>::ones());
 
  private:
   template <class, int>
@@ -81,12 +81,12 @@ class LaneCg {
                                       const LaneStop& stop);
   Scalars start(Progress& progress, LaneArray& load, LaneArray& solution, int lanes);
   void take_guess(LaneArray& guess, LaneArray& residual);
+  Scalars set_image(const LaneArray& vector);
   void subtract_image(const LaneArray& vector, LaneArray& residual);
   void iterate(Progress& progress, LaneArray& residual, LaneArray& solution, const LaneStop& stop);
   void precondition(const LaneArray& residual);
   void update_direction(const Scalars& beta, bool first);
-  Scalars apply_to_direction();
-  void add_diagonal(Scalars& products);
+  void add_diagonal(const LaneArray& vector, Scalars& products);
   Scalars advance(const Scalars& alpha, LaneArray& residual, LaneArray& solution);
   void balance(LaneArray& residual);
   /// Whether free_motions_ can be given.

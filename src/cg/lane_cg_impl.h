@@ -110,20 +110,19 @@ LaneScalars<Width> LaneCg<Problem, Width>::start(Progress& progress, LaneArray& 
     if constexpr (Problem::own_operators) progress.outcome[lane].has_islands = islands_.count(lane) > 0;
   }
   multiply(load, scales);
+  if (progress.guessed) {
+    multiply(solution, scales);
+    take_guess(solution, load);
+  }
   if constexpr (Problem::own_operators) {
-    if (progress.guessed) {
-      multiply(solution, scales);
-      take_guess(solution, load);
-    }
     if (!islands_.empty()) {
       corrected_.assign(load.size(), 0.0);
       islands_.add_correction(matrix_->level(), load.data(), corrected_.data());
       for (std::size_t i = 0; i < load.size(); ++i) solution[i] += corrected_[i];
       subtract_image(corrected_, load);
     }
-    if (progress.guessed || !islands_.empty())
-      progress.length = matrix_->dot(solution.data(), solution.data());
   }
+  if (progress.guessed || !islands_.empty()) progress.length = matrix_->dot(solution.data(), solution.data());
   std::copy(load.begin(), load.end(), rounded_residual_.begin());
   return scales;
 }
@@ -133,8 +132,7 @@ LaneScalars<Width> LaneCg<Problem, Width>::start(Progress& progress, LaneArray& 
 template <class Problem, int Width>
 void LaneCg<Problem, Width>::take_guess(LaneArray& guess, LaneArray& residual) {
   matrix_->clear_held(guess.data());
-  std::array<Scalars, 2> sums{matrix_->dot(guess.data(), residual.data()),
-                              matrix_->apply(guess.data(), image_.data())};
+  std::array<Scalars, 2> sums{matrix_->dot(guess.data(), residual.data()), set_image(guess)};
   sum_in_place(matrix_->level().comm, std::span<double>(sums.front().data(), 2 * Width));
   const auto& [work, energy] = sums;
   Scalars factors;
@@ -148,7 +146,7 @@ void LaneCg<Problem, Width>::take_guess(LaneArray& guess, LaneArray& residual) {
 /// residual -= K vector
 template <class Problem, int Width>
 void LaneCg<Problem, Width>::subtract_image(const LaneArray& vector, LaneArray& residual) {
-  matrix_->apply(vector.data(), image_.data());
+  (void)set_image(vector);
   for (std::size_t i = 0; i < residual.size(); ++i) residual[i] -= image_[i];
 }
 
@@ -177,7 +175,7 @@ void LaneCg<Problem, Width>::iterate(Progress& progress, LaneArray& residual, La
       progress.decrease[lane] = decrease[lane];
     }
     update_direction(beta, progress.iteration == 0);
-    progress.energy = apply_to_direction();
+    progress.energy = set_image(direction_);
     sum_in_place(comm, progress.energy);
     for (int lane = 0; lane < Width; ++lane) {
       const bool moves = progress.active[lane] && progress.energy[lane] > 0.0;
@@ -219,24 +217,24 @@ void LaneCg<Problem, Width>::update_direction(const Scalars& beta, bool first) {
   }
 }
 
-/// image = K direction; this rank's part of their product.
+/// image = K vector; this rank's part of their product.
 template <class Problem, int Width>
-LaneScalars<Width> LaneCg<Problem, Width>::apply_to_direction() {
-  Scalars products = matrix_->apply(direction_.data(), image_.data());
+LaneScalars<Width> LaneCg<Problem, Width>::set_image(const LaneArray& vector) {
+  Scalars products = matrix_->apply(vector.data(), image_.data());
   if constexpr (!Problem::own_operators)
-    if (!diagonal_.empty()) add_diagonal(products);
+    if (!diagonal_.empty()) add_diagonal(vector, products);
   return products;
 }
 
-/// The direction is 0 at held nodes.
+/// The vector is 0 at held nodes.
 template <class Problem, int Width>
-void LaneCg<Problem, Width>::add_diagonal(Scalars& products) {
+void LaneCg<Problem, Width>::add_diagonal(const LaneArray& vector, Scalars& products) {
   using Value = Lanes<Width>;
   auto sum = Value::zero();
   std::size_t node = 0;
   const auto add_to = [&](std::size_t end, bool counted) {
     for (; node < end; ++node) {
-      const auto value = Value::load(&direction_[node * Width]), added = value * diagonal_[node];
+      const auto value = Value::load(&vector[node * Width]), added = value * diagonal_[node];
       (Value::load(&image_[node * Width]) + added).store(&image_[node * Width]);
       if (counted) sum += value * added;
     }

@@ -22,6 +22,11 @@ struct LaneProgress {
   int iteration = 0;
   bool guessed = false;  ///< whether the solution begins with a guess
   std::array<bool, Width> active{};
+  static Scalars ones() {
+    Scalars result;
+    result.fill(1.0);
+    return result;
+  }
   Scalars known_smallest = ones();  ///< of the eigenvalues of M K, before the first step
   Scalars start{};                  ///< |M f|^2; infinite with a guess
   Scalars length{};                 ///< |u|^2, this rank's part
@@ -42,11 +47,6 @@ struct LaneProgress {
   void take(const LaneProgress<Other>& other, std::span<const int> lanes);
 
  private:
-  static Scalars ones() {
-    Scalars result;
-    result.fill(1.0);
-    return result;
-  }
   double smallest(int lane) const { return std::min(known_smallest[lane], spectrum[lane].smallest()); }
   double bound(int lane, const LaneStop& stop) const {
     return stop.tolerance_of(outcome[lane].has_islands) * std::min(1.0, stop.error_factor * smallest(lane));

@@ -8,15 +8,18 @@
 namespace fabseq {
 
 Tolerances following_tolerances(double move_limit, double share_left) {
-  constexpr double coarsest = 1e-2, per_step = 0.3, of_gradients = 3e-3, for_comparison = 0.001;
+  constexpr double coarsest = 1e-2, per_step = 0.3, of_gradients = 3e-3, of_sequences = 1e-2,
+                   for_comparison = 0.001;
   // What a step of the solver divides the residual by.
   constexpr double usual_gain = 3.0;
   const double size_left = std::sqrt(share_left);
   const auto within = [&](double tolerance) {
     return SolveTolerance{std::clamp(tolerance, SolverSettings::finest_automatic, coarsest), usual_gain};
   };
-  return {within(per_step * move_limit * size_left), within(of_gradients),
-          within(for_comparison * size_left)};
+  Tolerances result{within(per_step * move_limit * size_left), within(of_gradients),
+                    within(for_comparison * size_left)};
+  result.adjoint.of_sequence = of_sequences;
+  return result;
 }
 
 template <int Dim>
@@ -39,9 +42,8 @@ Tolerances RunState<Dim>::tolerances() const {
   const int iteration = completed_ + 1;
   Tolerances result = Tolerances::all({solver.finest_tolerance()});
   if (!solver.tolerance) {
-    const SolveTolerance finest = result.primal;
     result = following_tolerances(continuation.move_limit(iteration), share_left_);
-    if (continuation.near_the_end(iteration)) result.primal = finest;
+    if (continuation.near_the_end(iteration)) result.primal = result.judged;
     result.primal.warm = result.adjoint.warm = true;
     // Smooth layers then take the pseudo-time of the binary ones, which come first.
     result.judged.of_sequence =

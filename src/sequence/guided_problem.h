@@ -50,7 +50,10 @@ class GuidedProblem {
   /// Iterations of the last pull_back(), one entry per row.
   const std::vector<int>& adjoint_iterations() const { return adjoint_iterations_; }
 
-  void set_tolerance(const SolveTolerance& tolerance) { solver_->set_tolerance(tolerance); }
+  void set_tolerance(const SolveTolerance& tolerance) {
+    solver_->set_tolerance(tolerance);
+    warm_ = tolerance.warm;
+  }
   void start_cold();
   void release_memory() { solver_->release_memory(); }
 
@@ -65,6 +68,8 @@ class GuidedProblem {
   MPI_Comm across_;
   int lanes_;
   bool is_set_up_ = false;
+  bool warm_ = false;               ///< whether times() begins with the last ones
+  std::vector<double> last_times_;  ///< of the first group; empty: none
   int iterations_ = 0;
   std::vector<int> adjoint_iterations_;
 };

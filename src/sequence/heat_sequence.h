@@ -83,8 +83,14 @@ class HeatSequence : public Sequence<Dim> {
   std::vector<double> initial_design() const override;
   const PseudoTime<Dim>& update(std::span<const double> design) override;
   std::vector<std::vector<double>> pull_back(std::span<const TimeDerivatives> rows) override;
-  void set_tolerance(const SolveTolerance& tolerance) override { solver_->set_tolerance(tolerance); }
-  void start_cold() override { solver_->start_cold(); }
+  void set_tolerance(const SolveTolerance& tolerance) override {
+    solver_->set_tolerance(tolerance);
+    warm_ = tolerance.warm;
+  }
+  void start_cold() override {
+    solver_->start_cold();
+    knows_temperature_ = false;
+  }
   void release_memory() override { solver_->release_memory(); }
   std::vector<int> adjoint_iterations() const override { return adjoint_iterations_; }
 
@@ -103,6 +109,8 @@ class HeatSequence : public Sequence<Dim> {
   AveragingFilter<Dim> filter_;
   std::vector<double> diffusivity_;          ///< of all owned elements of the grid, filtered
   std::vector<double> ghosted_temperature_;  ///< on the ghosted node box
+  bool warm_ = false;                        ///< whether a solve begins with the last temperature
+  bool knows_temperature_ = false;           ///< whether there is one
   PseudoTime<Dim> time_;
   std::vector<int> adjoint_iterations_;
 };

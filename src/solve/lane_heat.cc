@@ -109,13 +109,13 @@ void LaneHeat<Dim>::set_up(LaneCg<LaneHeatProblem<Dim>, Width>& solver) {
 }
 
 template <int Dim>
-std::vector<SolveReport> LaneHeat<Dim>::solve(std::span<const LaneVector> loads,
-                                              std::span<LaneVector> solutions) {
+std::vector<SolveReport> LaneHeat<Dim>::solve_from(FirstGuess guess, std::span<const LaneVector> loads,
+                                                   std::span<LaneVector> solutions) {
   static const LogEvent event("fabseq heat lanes");
   const auto scope = event.enter();
   std::vector<SolveReport> reports;
   for (std::size_t block = 0; block < loads.size(); ++block) {
-    const std::vector<SolveReport> of_block = solve_block(loads[block], solutions[block]);
+    const std::vector<SolveReport> of_block = solve_block(guess, loads[block], solutions[block]);
     reports.insert(reports.end(), of_block.begin(), of_block.end());
   }
   solve_again(loads, solutions, reports);
@@ -123,7 +123,8 @@ std::vector<SolveReport> LaneHeat<Dim>::solve(std::span<const LaneVector> loads,
 }
 
 template <int Dim>
-std::vector<SolveReport> LaneHeat<Dim>::solve_block(const LaneVector& load, LaneVector& solution) {
+std::vector<SolveReport> LaneHeat<Dim>::solve_block(FirstGuess guess, const LaneVector& load,
+                                                    LaneVector& solution) {
   if (!finite_) return std::vector<SolveReport>(load.lanes, report_of({.finite = false}));
   std::vector<SolveReport> reports;
   with_narrowest(solver_, load.lanes, [&]<int Width>(auto& solver) {
@@ -132,8 +133,10 @@ std::vector<SolveReport> LaneHeat<Dim>::solve_block(const LaneVector& load, Lane
       is_set_up_[Width] = true;
     }
     layout_.to_mesh(load, Width, load_);
-    for (const LaneOutcome& outcome : solver.solve(load_, solution_, load.lanes, stop_))
-      reports.push_back(report_of(outcome));
+    if (guess == FirstGuess::given) layout_.to_mesh(solution, Width, solution_);
+    const auto outcomes = guess == FirstGuess::given ? solver.improve(load_, solution_, load.lanes, stop_)
+                                                     : solver.solve(load_, solution_, load.lanes, stop_);
+    for (const LaneOutcome& outcome : outcomes) reports.push_back(report_of(outcome));
     layout_.to_owned(solution_, Width, solution);
   });
   return reports;
@@ -177,7 +180,7 @@ void LaneHeat<Dim>::set_tolerance(const SolveTolerance& tolerance) {
   if (fallback_) fallback_->set_tolerance(tolerance);
 }
 
-/// The lanes begin every solve from zero; what lasts is the fallback.
+/// The lanes keep nothing of their solves; what lasts is the fallback.
 template <int Dim>
 void LaneHeat<Dim>::start_cold() {
   is_set_up_.fill(false);

@@ -33,7 +33,14 @@ class LaneHeat : public HeatSolver<Dim> {
 
   using HeatSolver<Dim>::set_operator;
   void set_operator(const HeatOperator& of) override;
-  std::vector<SolveReport> solve(std::span<const LaneVector> loads, std::span<LaneVector> solutions) override;
+  std::vector<SolveReport> solve(std::span<const LaneVector> loads,
+                                 std::span<LaneVector> solutions) override {
+    return solve_from(FirstGuess::zero, loads, solutions);
+  }
+  std::vector<SolveReport> improve(std::span<const LaneVector> loads,
+                                   std::span<LaneVector> solutions) override {
+    return solve_from(FirstGuess::given, loads, solutions);
+  }
   void set_tolerance(const SolveTolerance& tolerance) override;
   void start_cold() override;
   void release_memory() override;
@@ -44,7 +51,10 @@ class LaneHeat : public HeatSolver<Dim> {
   static LaneCycle cycle_of_steps();
 
  private:
-  std::vector<SolveReport> solve_block(const LaneVector& load, LaneVector& solution);
+  enum class FirstGuess { zero, given };
+  std::vector<SolveReport> solve_from(FirstGuess guess, std::span<const LaneVector> loads,
+                                      std::span<LaneVector> solutions);
+  std::vector<SolveReport> solve_block(FirstGuess guess, const LaneVector& load, LaneVector& solution);
   /// Fills in the operator and sets up the solver of a width.
   template <int Width>
   void set_up(LaneCg<LaneHeatProblem<Dim>, Width>& solver);

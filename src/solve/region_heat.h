@@ -23,6 +23,10 @@ class RegionHeat : public HeatSolver<Dim> {
                                  std::span<LaneVector> solutions) override {
     return pool_.current().solve(loads, solutions);
   }
+  std::vector<SolveReport> improve(std::span<const LaneVector> loads,
+                                   std::span<LaneVector> solutions) override {
+    return pool_.current().improve(loads, solutions);
+  }
   void set_tolerance(const SolveTolerance& tolerance) override { pool_.set_tolerance(tolerance); }
   void start_cold() override { pool_.start_cold(); }
   void release_memory() override { pool_.release_memory(); }

@@ -22,7 +22,13 @@ template <int Dim>
 ElementMeans element_means(const Part<Dim>& part, const ElementMatrices<Dim>& element,
                            std::span<const double> nodal);
 
-/// The transpose: derivatives with respect to the nodal values, on the owned nodes, from those with respect
+/// The gradients alone, [lane][part element x axis], of nodal values on the owned nodes. Collective on the
+/// grid's communicator.
+template <int Dim>
+std::vector<std::vector<double>> element_gradients(const Part<Dim>& part, const ElementMatrices<Dim>& element,
+                                                   const LaneVector& nodal);
+
+/// The transpose of element_means(): derivatives with respect to the nodal values, on the owned nodes, from those with respect
 /// to means (`time`) and gradients. One lane per row. Collective on the grid's communicator.
 template <int Dim>
 LaneVector pull_back_means(const Part<Dim>& part, const ElementMatrices<Dim>& element,

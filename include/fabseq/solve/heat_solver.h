@@ -41,6 +41,11 @@ class HeatSolver {
   /// one report per right-hand side, block by block. Collective; does not throw if one does not converge.
   virtual std::vector<SolveReport> solve(std::span<const LaneVector> loads,
                                          std::span<LaneVector> solutions) = 0;
+  /// The same from first guesses, which `solutions` hold; 0 in a lane: none. A solver may do without.
+  virtual std::vector<SolveReport> improve(std::span<const LaneVector> loads,
+                                           std::span<LaneVector> solutions) {
+    return solve(loads, solutions);
+  }
 
   /// Later solves go to this tolerance; on the reference path collective.
   virtual void set_tolerance(const SolveTolerance& tolerance) = 0;
