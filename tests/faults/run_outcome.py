@@ -19,7 +19,7 @@ WRITTEN = {
     "evaluate": ("config.json", "evaluation.json", "gradients.h5"),
     "check_gradients": ("config.json", "gradient_check.csv", "gradient_check.json"),
     "check": ()}
-# What may be null in the files: docs/developer/files.md says when.
+# What may be null in the files: docs/reference.md and docs/developer/files.md say when.
 MAY_BE_NULL = {"thickness", "cv", "nodes", "released", "length", "rms", "max", "distortion", "value", "failure", "finer_grid",
                "local_thickness", "share_outside", "at", "blocked", "tilt", "late", "form", "worst", "gain", "best_alternative"}
 # A run that is told to end, and how long it may take to do so.
