@@ -40,23 +40,23 @@ endfunction()
 
 # Topics of tests/integration that sanitizers leave out: of scripts, which run the program as the other topics
 # do; of digits, which the release build looks at; and of classes whose own tests sanitizers run.
-set(FABSEQ_RELEASE_TOPICS "benchmarks|calculix|calibrate|calibrate_checks|calibrate_flow|calibrate_runs|compensate|gradient_matrix|one_reader|orient|own_kinds|package|plan|slurm")
-string(APPEND FABSEQ_RELEASE_TOPICS "|python|deposition|direct|groups|pictures|ranks|readme|scenarios|squares|stop")
+set(FABSEQ_RELEASE_TOPICS "benchmarks|calculix|calibrate|calibrate_checks|calibrate_flow|calibrate_runs|compensate|gradient_matrix|one_reader|orient|own_kinds|package|plan|slurm|slurm_studies")
+string(APPEND FABSEQ_RELEASE_TOPICS "|python|python_errors|deposition|direct|groups|lost_disk|pictures|ranks|readme|scenarios|squares|stop")
 string(APPEND FABSEQ_RELEASE_TOPICS "|coarse|gradients|welded_back|install|model_group|multi_planar|region|reruns|sensitivity|starts|verdict")
 
 # Seconds on 2 cores of what takes longer than others: ctest starts it first, so that no core waits for it at
 # the end.
 set(FABSEQ_COSTS
-    integration.readme=170 integration.stop=140 faults.sample=120 integration.restart=110 integration.slurm=100
-    scripts.report_test=80 evidence.reproduce=70 integration.configs=70 integration.multi_planar=65
-    integration.sensitivity=65 integration.benchmarks=65 integration.errors=60 integration.ranks=60
+    integration.readme=170 integration.stop=110 faults.sample=120 integration.restart=75 integration.restart_checkpoints=35 integration.slurm=100
+    integration.slurm_studies=60 integration.lost_disk=30 scripts.report_test=80 evidence.reproduce=70 integration.configs=70 integration.multi_planar=65
+    integration.sensitivity=65 integration.benchmarks=65 integration.config_errors=25 integration.part_errors=15 integration.command_line=20 integration.ranks=60
     scripts.overview_test=50 scripts.launch_test=50 integration.scenarios=50 integration.groups=50 integration.direct=50 integration.thermal=45 integration.verdict=40
     layer_groups_mpi_test.np4=50 scripts.export_paths_test=45 integration.deposition=45 integration.failures=40
     integration.orient=40 integration.compensate=40 integration.calibrate=40 integration.calibrate_runs=25 integration.calibrate_checks=25 integration.calibrate_flow=60 integration.gradient_matrix=40 integration.guided=30 integration.welded_back=100
     lane_elasticity_mpi_test.np4=35 heat_sequence_mpi_test.np4=30 integration.locale=30 integration.locks=30
     integration.mesh=30 integration.simulate=20 integration.coarse=20 integration.starts=15 integration.squares=20 integration.leaks=20
     integration.one_reader=10 integration.judged_again=20 integration.beads=20 integration.pictures=20 integration.model_group=20 integration.check_picture=20 scripts.compare_test=20 faults.configs=15 integration.hostile_input=15
-    integration.reference=15 integration.gradients=15 integration.calculix=15 integration.install=15 integration.python=15 integration.own_kinds=20 integration.package=5 integration.plan=40
+    integration.reference=15 integration.gradients=15 integration.calculix=15 integration.install=15 integration.python=10 integration.python_errors=5 integration.own_kinds=20 integration.package=5 integration.plan=40
     scripts.tools_package_test=15 scripts.new_config_test=25 scripts.new_config_pieces_test=20 scripts.new_config_beads_test=20 scripts.study_tools_test=45 scripts.machine_option_test=30 integration.machine_file=10 scripts.answer_test=20 scripts.damaged_files_test=15 scripts.virtual_display_test=15 integration.outputs=10 run_lock_test.np1=12)
 function(fabseq_cost result name)
   set(cost 1)
@@ -72,7 +72,7 @@ endfunction()
 set(FABSEQ_LABELS
     "kernels=^(kernels|ranks|multigrid|islands|cg|fem)/"
     "gradients=^(responses|layers|process|sequence|chain|optimize)/|^integration/integration.(gradient|guided|reference|squares|direct|deposition|sensitivity)"
-    "files=^(files|faults|config|keys)/|^integration/integration.(errors|hostile_input|machine_file|mesh|model_group|outputs|reruns|restart|stop|failures|simulate|locale|locks)"
+    "files=^(files|faults|config|keys)/|^integration/integration.(command_line|config_errors|part_errors|hostile_input|lost_disk|machine_file|mesh|model_group|outputs|reruns|restart|stop|failures|simulate|locale|locks)"
     "scripts=^scripts/|^integration/integration.(benchmarks|calculix|calibrate|compensate|orient|pictures|plan|readme|slurm|install|package)"
     "evidence=^evidence/"
     "indices=^(base/mpi|grid|part|solve|files|sequence)"
@@ -80,7 +80,7 @@ set(FABSEQ_LABELS
     "quick=^(base|keys|parallel|grid|mesh|part|files|fem|solve|sequence|layers|machine|process|responses|config|mma|model|chain|optimize|report|repair)/|^scripts/")
 # What scripts/test.sh --all has beside the tests that each change must pass: commands of the pages, campaigns, packages,
 # studies and pictures, Slurm, and four ranks where two have the same code.
-set(FABSEQ_THOROUGH "^integration/integration.(calibrate.*|check_picture|compensate|configs|install|leaks|multi_planar|orient|own_kinds|package|pictures|plan|python|readme|sensitivity|slurm|stop|welded_back)$")
+set(FABSEQ_THOROUGH "^integration/integration.(calibrate.*|check_picture|compensate|configs|install|leaks|lost_disk|multi_planar|orient|own_kinds|package|pictures|plan|python|python_errors|readme|sensitivity|slurm|slurm_studies|stop|welded_back)$")
 string(APPEND FABSEQ_THOROUGH "|^faults/faults.sample$|^evidence/|^benchmarks/")
 string(APPEND FABSEQ_THOROUGH "|^scripts/scripts.(answer|compare|damaged_files|export_.*|launch|machine_option|new_config_pieces|overview|plots|report|study_tools|tools_package|virtual_display)_test$")
 function(fabseq_labels result module name)

@@ -1,67 +1,17 @@
 # SPDX-License-Identifier: MIT
-"""Runs that are ended from outside: signals, time limits, kills, disks that fail under them. Nothing is lost
-but the work since the last checkpoint, and nothing hangs."""
+"""Runs that are ended from outside: signals, time limits, the file stop, kills. Nothing is lost but the work
+since the last checkpoint, and nothing hangs."""
 
 import contextlib
 import os
 import shutil
 import signal
-import subprocess
-import time
 
 import run_fabseq
 from compare_runs import history_text
-from run_fabseq import OUTPUT_FAILURE, PROGRAM, SANITIZED, STOPPED, FabseqTest, Process, Result, distinct
+from run_fabseq import OUTPUT_FAILURE, PROGRAM, SANITIZED, STOPPED, Process, Result, distinct
 from small_parts import plate_2d
-
-PATIENCE = 600 if SANITIZED else 240
-# Long enough for what happens here to happen on the way.
-LONG = ("-elements", "60,36", "-max_iterations", "100000")
-
-
-class StopTest(FabseqTest):
-    def start(self, ranks, output, *arguments, environment=None):
-        path = self.write_config(plate_2d())
-        command = ["mpirun", "-np", str(ranks), PROGRAM, "-config", path, "-output", output, *LONG, *map(str, arguments)]
-        return Process(command, self.directory, environment)
-
-    def wait_for_lines(self, process, output, count):
-        """Until the history has that many lines."""
-        end = time.monotonic() + PATIENCE
-        while time.monotonic() < end:
-            self.assertIsNone(process.process.poll(), "the run has ended by itself")
-            try:
-                with open(os.path.join(output, "history.jsonl"), encoding="utf-8") as file:
-                    if len(file.readlines()) >= count:
-                        return
-            except FileNotFoundError:
-                pass
-            time.sleep(0.01)
-        self.fail(f"no {count} lines after {PATIENCE} s")
-
-    def finish(self, process, output):
-        return Result(process.command, *process.wait(PATIENCE), output)
-
-    def check_goes_on(self, ranks, output, *arguments):
-        """Continues for four iterations, and compares with a run that was not interrupted but wrote a
-        checkpoint at the same iteration: without sanitizers, which do not look at digits."""
-        stopped = Result([], STOPPED, "", "", output)
-        done = len(stopped.history())
-        self.assertEqual(stopped.json("summary.json")["status"], "stopped")
-        self.assertEqual(stopped.json("summary.json")["iterations"], done)
-        runs = []
-        expected = output + "_expected"
-        os.mkdir(expected)
-        for folder, options in distinct((output, ("-restart", "auto", "-checkpoint_every", done)),
-                                        (expected, ("-checkpoint_every", done))):
-            with open(os.path.join(folder, "stop"), "w", encoding="utf-8") as file:
-                file.write(str(done + 4))
-            with self.start(ranks, folder, *arguments, *options) as process:
-                runs.append(self.finish(process, folder))
-            self.assertEqual(runs[-1].status, STOPPED, str(runs[-1]))
-        self.assertIn(f"continues after iteration {done} of", runs[0].stdout)
-        self.assertEqual(history_text(runs[0]), history_text(runs[-1]))
-        self.assertEqual(len(runs[0].history()), done + 4)
+from stop_case import LONG, PATIENCE, StopTest
 
 
 class SignalTest(StopTest):
@@ -292,78 +242,6 @@ class KillTest(StopTest):
                 continued = int(runs[0].stdout.split("continues after iteration ")[1].split()[0])
                 self.assertGreaterEqual(continued, done - 4)  # the one every three iterations, or the one under way then
                 self.assertEqual(history_text(runs[0]), history_text(runs[-1]))
-
-
-class LostDiskTest(StopTest):
-    def setUp(self):
-        super().setUp()
-        self.disk = self.small_disk("2m")
-
-    def mount(self, *arguments):
-        return subprocess.run(["mount", *arguments, self.disk], capture_output=True, text=True, check=False)
-
-    def assert_lost(self, process, output, *words):
-        run = self.finish(process, output)
-        self.assertEqual(run.status, OUTPUT_FAILURE, str(run))
-        messages = [line for line in run.messages() if not line.startswith("warning: ")]
-        self.assertEqual(len(messages), 1, str(run))
-        for word in words:
-            self.assertRegex(messages[0], word)
-        return run
-
-    def check_goes_on_from_the_last_good_one(self, ranks, output):
-        with open(os.path.join(output, "stop"), "w", encoding="utf-8"):
-            pass
-        with self.start(ranks, output, "-checkpoint_every", 2, "-restart", "auto") as process:
-            run = self.finish(process, output)
-        self.assertEqual(run.status, STOPPED, str(run))
-        self.assertGreater(int(run.stdout.split("continues after iteration ")[1].split()[0]), 0)
-        self.assertNotIn("warning", run.stderr)
-
-    def test_full(self):
-        for ranks in distinct(3, 1):
-            with self.subTest(ranks=ranks):
-                output = os.path.join(self.disk, f"run_{ranks}")
-                with self.start(ranks, output, "-checkpoint_every", 2) as process:
-                    self.wait_for_lines(process, output, 5)
-                    filler = os.path.join(self.disk, "filler")
-                    with open(filler, "wb", buffering=0) as file:
-                        try:
-                            while file.write(bytes(4096)) == 4096:
-                                pass
-                        except OSError:
-                            pass
-                    self.assert_lost(process, output, r"(history\.jsonl|slot_[01]\.h5|newest)", "No space left on device")
-                os.remove(filler)
-                self.check_goes_on_from_the_last_good_one(ranks, output)
-
-    def test_read_only(self):
-        for ranks in distinct(3, 1):
-            with self.subTest(ranks=ranks):
-                output = os.path.join(self.disk, f"run_{ranks}")
-                with self.start(ranks, output, "-checkpoint_every", 2) as process:
-                    self.wait_for_lines(process, output, 5)
-                    for _ in range(1000):  # busy while one of the run's files is open for writing
-                        if self.mount("-o", "remount,ro").returncode == 0:
-                            break
-                    else:
-                        self.fail("the disk cannot be made read-only")
-                    self.assert_lost(process, output, "Read-only file system", r"(history\.jsonl|slot_[01]\.h5|newest)")
-                self.assertEqual(self.mount("-o", "remount,rw").returncode, 0)
-                self.check_goes_on_from_the_last_good_one(ranks, output)
-
-    def test_vanished(self):
-        for ranks in distinct(3, 1):
-            with self.subTest(ranks=ranks):
-                output = os.path.join(self.disk, f"run_{ranks}")
-                with self.start(ranks, output, "-checkpoint_every", 2) as process:
-                    self.wait_for_lines(process, output, 5)
-                    os.rename(output, output + "_moved")
-                    self.assert_lost(process, output, "No such file or directory", f"run_{ranks}/")
-                self.assertFalse(os.path.exists(output))
-                os.rename(output + "_moved", output)
-                self.check_goes_on_from_the_last_good_one(ranks, output)
-                shutil.rmtree(output)
 
 
 if __name__ == "__main__":
