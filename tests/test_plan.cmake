@@ -48,7 +48,7 @@ string(APPEND FABSEQ_RELEASE_TOPICS "|coarse|gradients|welded_back|install|model
 # the end.
 set(FABSEQ_COSTS
     integration.readme=170 integration.stop=110 faults.sample=120 integration.restart=75 integration.restart_checkpoints=35 integration.slurm=100
-    integration.slurm_studies=60 integration.lost_disk=30 scripts.report_test=80 evidence.reproduce=70 integration.configs=70 integration.multi_planar=65
+    integration.slurm_studies=60 integration.lost_disk=30 scripts.report_test=35 scripts.report_browser_test=45 evidence.reproduce=70 integration.configs=70 integration.multi_planar=65
     integration.sensitivity=65 integration.benchmarks=65 integration.config_errors=25 integration.part_errors=15 integration.command_line=20 integration.ranks=60
     scripts.overview_test=50 scripts.launch_test=50 integration.scenarios=50 integration.groups=50 integration.direct=50 integration.thermal=45 integration.verdict=40
     layer_groups_mpi_test.np4=50 scripts.export_paths_test=45 integration.deposition=45 integration.failures=40
@@ -82,7 +82,7 @@ set(FABSEQ_LABELS
 # studies and pictures, Slurm, and four ranks where two have the same code.
 set(FABSEQ_THOROUGH "^integration/integration.(calibrate.*|check_picture|compensate|configs|install|leaks|lost_disk|multi_planar|orient|own_kinds|package|pictures|plan|python|python_errors|readme|sensitivity|slurm|slurm_studies|stop|welded_back)$")
 string(APPEND FABSEQ_THOROUGH "|^faults/faults.sample$|^evidence/|^benchmarks/")
-string(APPEND FABSEQ_THOROUGH "|^scripts/scripts.(answer|compare|damaged_files|export_.*|launch|machine_option|new_config_pieces|overview|plots|report|study_tools|tools_package|virtual_display)_test$")
+string(APPEND FABSEQ_THOROUGH "|^scripts/scripts.(answer|compare|damaged_files|export_.*|launch|machine_option|new_config_pieces|overview|plots|report|report_browser|study_tools|tools_package|virtual_display)_test$")
 function(fabseq_labels result module name)
   set(labels)
   if("${module}/${name}" MATCHES "${FABSEQ_THOROUGH}" OR (name MATCHES "\\.np4$" AND NOT module STREQUAL "parallel"))

@@ -1,130 +1,26 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""fabseq-tools report on made-up results: what its page says, and what a browser shows of it."""
+"""fabseq-tools report on made-up results: what its page says."""
 
 import hashlib
 import json
 import shutil
-import subprocess
 import tempfile
 import unittest
-from html.parser import HTMLParser
 from pathlib import Path
 from unittest import mock
 
 import h5py
 import numpy as np
-from matplotlib import image
 
-from fabseq_tools.geometry.grid import nodes_of
 from fabseq_tools.report import report as report_page
 from fabseq_tools.report import views as report_views
 from fabseq_tools.report.report import ReportRun
 from fabseq_tools.run.command_line import RunError
 
-import browser
 import fake_results
+from report_case import BLOCKS, MODELS, PROJECT, Page, Report, report, write_run
 from run_fabseq import Runner
-
-PROJECT = Path(__file__).resolve().parents[2]
-
-SIZE = (2.0, 1.0, 2.0)
-MODELS = ("nominal", "follow")
-BLOCKS = {"start design": "start", "planar": "baseline", "planar, 7 layers": "baseline_matched",
-          "optimized, smooth": "optimized", "optimized, binary": "binary"}
-CHANGES = [{"change": "unchanged", "sequence": {"distortion": [{"name": "objective_0", "length": 0.02}]},
-            "planar": {"distortion": [{"name": "objective_0", "length": 0.6}]}, "ratio": {"length": 30.0, "rms": 2.0}},
-           {"change": "void quiet", "sequence": {"distortion": [{"name": "objective_0", "length": 0.1}]},
-            "planar": {"distortion": [{"name": "objective_0", "length": 0.5}]}, "ratio": {"length": 5.0, "rms": 1.5}},
-           {"change": "grid twice as fine", "skipped": "the part is <too> large"}]
-
-
-def write_run(directory, density, size, noise=0.0):
-    """A made-up run with what fake_results leaves out: start design, both deposition models, sensitivity."""
-    fake_results.write_run(directory, "v_shape", density, size)
-    with h5py.File(directory / "result.h5", "r+") as file:
-        for name in ("time", "layer", "displacement"):
-            file[f"start/{name}"] = file[name][:] if name != "displacement" else 0.5 * file["planar/displacement"][:]
-        if noise:
-            for name in ("displacement", "planar/displacement", "start/displacement"):
-                file[name][:] += noise * np.random.default_rng(1).standard_normal(file[name].shape)
-
-    def add_models(summary):
-        summary["start"] = {**summary["baseline"], "layers": summary["binary"]["layers"]}
-        for k, block in enumerate(("start", "baseline", "optimized", "binary"), start=1):
-            summary[block]["deposition"] = {
-                model: {"displacement": {"max": 0.1 / k + j, "rms": 0.011 / k + j}, "nodes": {"max": 0.09 / k, "rms": 0.017 * k},
-                        "distortion": [{"name": "objective_0", "value": (0.7 / k + j)**2, "length": 0.7 / k + j}]}
-                for j, model in enumerate(MODELS)}
-
-    fake_results.change(directory, "summary.json", add_models)
-    fake_results.change(directory, "config.json", lambda config: config.update(process={"deposition": "nominal"}))
-    (directory / "sensitivity.json").write_text(json.dumps(
-        {"name": "v_shape", "changes": CHANGES, "worst": {key: {"ratio": CHANGES[1]["ratio"][key], "change": "void quiet"}
-                                                          for key in ("length", "rms")}}), encoding="utf-8")
-
-
-def report(*arguments):
-    words = [PROJECT / "scripts/fabseq-tools", "report", *map(str, arguments)]
-    return subprocess.run(["/usr/bin/python3", *words], capture_output=True, text=True, check=False)
-
-
-class Page(HTMLParser):
-    """`loads`: what the page would load. `tables`: rows of cells by the table's id, a cell as its text and
-    its title. `text`: all that is to be read."""
-
-    def __init__(self, path):
-        super().__init__()
-        self.loads, self.tables, self.texts, self.rows, self.in_cell = [], {}, [], None, False
-        self.source = path.read_text(encoding="utf-8")
-        self.feed(self.source)
-        self.text = " ".join(self.texts)
-
-    def handle_starttag(self, tag, attributes):
-        attributes = dict(attributes)
-        self.loads += [attributes[key] for key in ("src", "href", "data", "srcset") if key in attributes]
-        if tag == "table":
-            self.rows = self.tables.setdefault(attributes.get("id"), [])
-        elif tag == "tr":
-            self.rows.append([])
-        elif tag in ("td", "th"):
-            self.rows[-1].append(["", attributes.get("title")])
-            self.in_cell = True
-
-    def handle_endtag(self, tag):
-        self.in_cell = self.in_cell and tag not in ("td", "th")
-
-    def handle_data(self, text):
-        if self.cdata_elem:  # a script or a style
-            return
-        self.texts.append(text.strip())
-        if self.in_cell:
-            self.rows[-1][-1][0] += text
-
-    def rows_after(self, table, heading):
-        """Rows by name, below the heading and above the next one; a row's cells are its numbers."""
-        rows = self.tables[table]
-        begin = next(k for k, row in enumerate(rows) if row[0][0].startswith(heading)) + 1
-        end = next((k for k, row in enumerate(rows) if k >= begin and len(row) == 1), len(rows))
-        return {row[0][0]: [None if title is None else float(title) for _, title in row[1:]] for row in rows[begin:end]}
-
-
-class Report(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.folder = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(cls.folder.cleanup)
-        cls.solid, cls.flat = (Path(cls.folder.name) / name for name in ("solid", "flat"))
-        write_run(cls.solid, fake_results.v_shape_density((20, 10, 20)), SIZE)
-        fake_results.add_checks(cls.solid)
-        fake_results.add_torch(cls.solid)
-        fake_results.write_run(cls.flat, "plate", np.ones((8, 12)), (3.0, 2.0))
-        for directory in (cls.solid, cls.flat):
-            done = report(directory)
-            if done.returncode != 0:
-                raise AssertionError(done.stderr)
-        cls.page = Page(cls.solid / "report.html")
-        cls.summary = json.loads((cls.solid / "summary.json").read_text(encoding="utf-8"))
 
 
 class Contents(Report):
@@ -322,111 +218,6 @@ class Fields(unittest.TestCase):
         nodes = np.arange(12.0).reshape(3, 4)
         # The last node has none of its own: the mean of those around it that belong to the part.
         np.testing.assert_allclose(report_views.coarsened_nodes(nodes, part, 2)[0], [0.0, 2.0, (2.0 + 6.0) / 2])
-
-
-@unittest.skipIf(browser.PROGRAM is None, "chromium is not installed: scripts/setup.sh --ci")
-class InBrowser(browser.WithBrowser, Report):
-
-    def open(self, state, directory=None, page="report.html"):
-        """Opens the page and returns the pixels of its views."""
-        path = (directory or self.solid) / page
-        self.browser.open(f"file://{path}#{state}")
-        self.assertEqual(self.browser.complaints, [])
-        self.assertLessEqual({address.split("#")[0] for address in self.browser.requests} - {"about:blank"}, {f"file://{path}"})
-        self.browser.requests.clear()
-        self.browser.value("document.querySelector('.views').scrollIntoView()")
-        picture = Path(self.folder.name) / "picture.png"
-        self.browser.picture(picture)
-        boxes = self.browser.value("""[...document.querySelectorAll('.surface')].map((surface) => {
-          const box = surface.getBoundingClientRect(); return [box.top, box.bottom, box.left, box.right].map(Math.round); })""")
-        pixels = image.imread(picture)[..., :3]
-        return [pixels[top + 2:bottom - 2, left + 2:right - 2] for top, bottom, left, right in boxes]
-
-    def coloured(self, pixels):
-        return float((pixels.max(axis=-1) - pixels.min(axis=-1) > 0.15).mean())
-
-    def words(self, selector):
-        return self.browser.value(f"[...document.querySelectorAll('{selector}')].map((each) => each.textContent)")
-
-    def test_slider_builds_the_part(self):
-        with h5py.File(self.solid / "result.h5") as file:
-            built, time, layer = file["density"][:] > 0, file["time"][:], file["layer"][:]
-        shares = []
-        for now in (0.2, 0.5, 1.0):
-            views = self.open(f"time={now}&field=layer")
-            self.assertEqual(len(views), 3)
-            shares.append([self.coloured(view) for view in views])
-            done = time[built] <= now
-            self.assertIn(f"{round(100 * done.mean())} % built", self.words(".state")[2])
-            self.assertIn(f"layer {int(layer[built][done].max())} of {int(layer.max())}", self.words(".state")[2])
-        for earlier, later in zip(shares, shares[1:]):
-            for view in range(3):
-                self.assertGreater(later[view], earlier[view] + 0.01)
-        self.assertGreater(shares[0][0], 0.005)
-
-    def test_fields_look_different_and_displacement_deforms(self):
-        pictures = {state: self.open(state) for state in ("field=layer", "field=time", "field=displacement&magnification=0",
-                                                          "field=displacement")}
-        states = list(pictures)
-        for first, second in zip(states, states[1:]):
-            difference = np.abs(pictures[first][1] - pictures[second][1]).max(axis=-1).mean()
-            self.assertGreater(float(difference), 0.005, (first, second))
-        labels = self.words(".legend span")
-        self.assertTrue(labels[2].endswith(" mm"), labels)
-        with h5py.File(self.solid / "result.h5") as file:
-            lengths = np.sqrt((file["planar/displacement"][:]**2).sum(axis=-1)).ravel()
-            largest = lengths[nodes_of(file["density"][:] > 0)].max()
-        self.assertAlmostEqual(float(labels[2].split()[0]), largest, delta=0.01 * largest)
-
-    def test_released_and_hanging(self):
-        built, released = (self.open(f"field=displacement&magnification=10{state}") for state in ("", "&state=released"))
-        self.assertGreater(float(np.abs(built[1] - released[1]).max(axis=-1).mean()), 0.005)
-        self.assertEqual(self.browser.value("document.querySelectorAll('.bar select')[1].value"), "released")
-        views = self.open("field=hanging&camera=1,0,0.5,0,0,0,2")
-        red = [float((view[..., 0] - view[..., 1] > 0.4).mean()) for view in views]
-        self.assertGreater(red[1], 0.001)
-        self.assertEqual([red[0], red[2]], [0.0, 0.0])
-        self.assertIn("6 elements in the air", self.words(".state")[1])
-
-    def test_torch_colours(self):
-        views = self.open("field=blocked&camera=1,0,0.5,0,0,0,2")
-        self.assertTrue(self.words(".state")[2].endswith("; 4 elements out of the torch's reach"), self.words(".state"))
-        tilted = self.open("field=tilt&camera=1,0,0.5,0,0,0,2")
-        self.assertIn("up to 33.3 degrees", self.words(".state")[2])
-        self.assertGreater(float(np.abs(views[2] - tilted[2]).max(axis=-1).mean()), 0.02)
-        self.assertEqual(self.words(".legend span")[2], "33.3 degrees")
-
-    def test_keys_move_the_slider_and_the_address_follows(self):
-        self.open("time=0.5")
-        self.browser.value("document.querySelector('.time input').focus()")
-        for kind in ("keyDown", "keyUp"):
-            self.browser.call("Input.dispatchKeyEvent", type=kind, key="ArrowRight", code="ArrowRight", windowsVirtualKeyCode=39)
-        self.assertIn("time=0.505", self.browser.value("location.hash"))
-
-    def test_one_camera_for_all_views(self):
-        views = self.open("camera=1,0,0,0,0,0,2")
-        turned = self.open("camera=0,0,1,0,0,0,1")
-        for before, after in zip(views, turned):
-            self.assertGreater(float(np.abs(before - after).mean()), 0.01)
-
-    def test_narrow_and_dark(self):
-        for width in (390, 1200):
-            self.browser.size(width, 800)
-            light = self.open("scheme=light")
-            self.assertLessEqual(self.browser.value("document.documentElement.scrollWidth"), width)
-            self.assertGreater(min(map(self.coloured, light[:1])), 0.03)
-            background = self.open("scheme=dark")[0][0, 0]
-            self.assertLess(background.max(), 0.2)
-        self.browser.size(1200, 900)
-
-    def test_flat_parts_and_comparisons(self):
-        whole, half = (self.open(f"time={now}", self.flat) for now in (1, 0.5))
-        self.assertGreater(self.coloured(whole[0]), self.coloured(half[0]) + 0.1)
-        self.assertEqual(report(self.solid, self.flat).returncode, 0)
-        views = self.open("", self.solid, "report_compare.html")
-        self.assertEqual(len(views), 2)
-        self.assertGreater(min(map(self.coloured, views)), 0.03)
-        self.assertGreater(len(self.words(".chart h3")), 5)
 
 
 if __name__ == "__main__":
