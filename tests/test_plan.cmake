@@ -10,7 +10,7 @@ set(FABSEQ_REGISTERING stage_mpi_test sequence_kind_mpi_test finding_mpi_test)
 set(FABSEQ_ENGINE kernels ranks multigrid islands cg)
 set(FABSEQ_DECOMPOSED parallel grid part files ${FABSEQ_ENGINE} machine solve sequence thermal)
 set(FABSEQ_THREE_TOO island_map_mpi_test part_mpi_test step_transpose_mpi_test)  # the middle of three ranks has a neighbour on either side
-set(FABSEQ_ALONE lane_cg_mpi_test)
+set(FABSEQ_ALONE lane_cg_mpi_test lane_cg_lanes_mpi_test)
 set(FABSEQ_ALONE_TOO stop_mpi_test)
 function(fabseq_rank_counts result name module)
   set(counts 1)
@@ -53,7 +53,7 @@ set(FABSEQ_COSTS
     scripts.overview_test=50 scripts.launch_test=50 integration.scenarios=50 integration.groups=50 integration.direct=50 integration.thermal=45 integration.verdict=40
     layer_groups_mpi_test.np4=50 scripts.export_paths_test=45 integration.deposition=45 integration.failures=40
     integration.orient=40 integration.compensate=40 integration.calibrate=40 integration.calibrate_runs=25 integration.calibrate_checks=25 integration.calibrate_flow=60 integration.gradient_matrix=40 integration.guided=30 integration.welded_back=100
-    lane_elasticity_mpi_test.np4=35 heat_sequence_mpi_test.np4=30 integration.locale=30 integration.locks=30
+    lane_elasticity_mpi_test.np4=20 lane_elasticity_batches_mpi_test.np4=15 heat_sequence_mpi_test.np4=30 integration.locale=30 integration.locks=30
     integration.mesh=30 integration.simulate=20 integration.coarse=20 integration.starts=15 integration.squares=20 integration.leaks=20
     integration.one_reader=10 integration.judged_again=20 integration.beads=20 integration.pictures=20 integration.model_group=20 integration.check_picture=20 scripts.compare_test=20 faults.configs=15 integration.hostile_input=15
     integration.reference=15 integration.gradients=15 integration.calculix=15 integration.install=15 integration.python=10 integration.python_errors=5 integration.own_kinds=20 integration.package=5 integration.plan=40
