@@ -114,7 +114,7 @@ class MmaVariables {
   std::vector<double> lambda_direction_;
   bool direction_is_new_ = false;  // the variables have not heard of it yet
   std::vector<double> v_, plain_, curved_, plain_direction_, curved_direction_;  // v, S, T, dS, dT
-  RowProducts scaled_rows_;  // of a block: m + 1 rows
+  RowProducts scaled_rows_;                                                      // of a block: m + 1 rows
   std::vector<double> message_;
   MmaSums sums_;
 };

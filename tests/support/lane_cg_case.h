@@ -54,7 +54,7 @@ struct LaneCgCase {
     cg.set_up();
   }
 
-  /// On all nodes of the grid.
+  /// Solution on all nodes of the grid.
   std::vector<double> expected(int lane) const {
     std::vector<double> result;
     for (std::int64_t i = 0; i < masked.whole.nodes.count() * components; ++i) {

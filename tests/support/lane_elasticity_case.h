@@ -12,7 +12,7 @@
 
 namespace fabseq::test {
 
-/// Of the largest displacement of a lane, at a tolerance of 1e-9.
+/// Share of the largest displacement of a lane that an error may have, at a tolerance of 1e-9.
 inline constexpr double close = 1e-6;
 
 template <int Dim>

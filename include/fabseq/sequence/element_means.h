@@ -28,8 +28,9 @@ template <int Dim>
 std::vector<std::vector<double>> element_gradients(const Part<Dim>& part, const ElementMatrices<Dim>& element,
                                                    const LaneVector& nodal);
 
-/// The transpose of element_means(): derivatives with respect to the nodal values, on the owned nodes, from those with respect
-/// to means (`time`) and gradients. One lane per row. Collective on the grid's communicator.
+/// The transpose of element_means(): derivatives with respect to the nodal values, on the owned nodes, from
+/// those with respect to means (`time`) and gradients. One lane per row. Collective on the grid's
+/// communicator.
 template <int Dim>
 LaneVector pull_back_means(const Part<Dim>& part, const ElementMatrices<Dim>& element,
                            std::span<const TimeDerivatives> rows);

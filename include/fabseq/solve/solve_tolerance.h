@@ -19,8 +19,8 @@ struct SolveTolerance {
   /// The value where stiff pieces hang in soft surroundings (LaneStop::of_islands); 0: the same. The
   /// reference path, which looks for none, takes the smaller of both.
   double of_islands = 0.0;
-  /// The value for the sequence's own equation, which begins with its last solution then, or for its adjoints;
-  /// 0: a thousandth of the value, or the value.
+  /// The value for the sequence's own equation, which begins with its last solution then, or for its
+  /// adjoints; 0: a thousandth of the value, or the value.
   double of_sequence = 0.0;
 
   double smallest() const { return of_islands > 0.0 ? std::min(value, of_islands) : value; }
