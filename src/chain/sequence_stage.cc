@@ -60,7 +60,7 @@ bool SequenceStage<Dim>::is_solved(const std::vector<double>& design, const Solv
 template <int Dim>
 void SequenceStage<Dim>::pull_back(const StageResults<Dim>& /*state*/, const SolveTolerance& tolerance,
                                    AdjointRowSpan<Dim> rows) {
-  sequence_->set_tolerance(sequence_adjoint_tolerance(tolerance));
+  sequence_->set_tolerance(elasticity_tolerance(tolerance));
   std::vector<TimeDerivatives> times;
   for (AdjointRow<Dim>* row : rows) times.push_back(std::move(row->adjoint.time));
   std::vector<std::vector<double>> fields = sequence_->pull_back(times);

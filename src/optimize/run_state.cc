@@ -8,18 +8,15 @@
 namespace fabseq {
 
 Tolerances following_tolerances(double move_limit, double share_left) {
-  constexpr double coarsest = 1e-2, per_step = 0.3, of_gradients = 3e-3, of_sequences = 1e-2,
-                   for_comparison = 0.001;
+  constexpr double coarsest = 1e-2, per_step = 0.3, of_gradients = 3e-3, for_comparison = 0.001;
   // What a step of the solver divides the residual by.
   constexpr double usual_gain = 3.0;
   const double size_left = std::sqrt(share_left);
   const auto within = [&](double tolerance) {
     return SolveTolerance{std::clamp(tolerance, SolverSettings::finest_automatic, coarsest), usual_gain};
   };
-  Tolerances result{within(per_step * move_limit * size_left), within(of_gradients),
-                    within(for_comparison * size_left)};
-  result.adjoint.of_sequence = of_sequences;
-  return result;
+  return {within(per_step * move_limit * size_left), within(of_gradients),
+          within(for_comparison * size_left)};
 }
 
 template <int Dim>

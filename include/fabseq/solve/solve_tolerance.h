@@ -19,8 +19,8 @@ struct SolveTolerance {
   /// The value where stiff pieces hang in soft surroundings (LaneStop::of_islands); 0: the same. The
   /// reference path, which looks for none, takes the smaller of both.
   double of_islands = 0.0;
-  /// The value for the sequence's own equation, which begins with its last solution then, or for its
-  /// adjoints; 0: a thousandth of the value, or the value.
+  /// The value for the sequence's own equation, which begins with its last solution then; 0: a thousandth of
+  /// the value.
   double of_sequence = 0.0;
 
   double smallest() const { return of_islands > 0.0 ? std::min(value, of_islands) : value; }
@@ -41,11 +41,6 @@ constexpr SolveTolerance sequence_tolerance(const SolveTolerance& of_run) {
   if (of_run.of_sequence > 0.0) return {.value = of_run.of_sequence, .warm = true};
   return {
       .value = std::max(1e-3 * of_run.value, smallest_tolerance), .reach = of_run.reach, .warm = of_run.warm};
-}
-constexpr SolveTolerance sequence_adjoint_tolerance(const SolveTolerance& of_run) {
-  SolveTolerance result = elasticity_tolerance(of_run);
-  if (of_run.of_sequence > 0.0) result.value = of_run.of_sequence;
-  return result;
 }
 constexpr SolveTolerance step_tolerance(const SolveTolerance& of_run) {
   // Closer than that, steps on a region of two ranks were seen to end in no progress.
