@@ -18,9 +18,9 @@ namespace {
 /// A rank holds this much whatever it solves.
 constexpr double bytes_per_rank = 8e7;
 
-/// What the first doubling of a group's ranks, and each further one, adds to its time: two ranks are 1.6
-/// times as fast as one, four 2.4 times (docs/developer/measuring.md).
-constexpr double overhead_of_the_first_doubling = 0.25;
+/// What the first doubling of a group's ranks, and each further one, adds to its time: two ranks are 1.54
+/// times as fast as one, four 2.3 times (docs/developer/measuring.md).
+constexpr double overhead_of_the_first_doubling = 0.3;
 constexpr double overhead_of_a_further_doubling = 0.35;
 
 /// Time of a group of several ranks, over that of one rank with its share of the work.
