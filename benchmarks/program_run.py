@@ -102,9 +102,11 @@ def iterate(options, ranks, directory, arguments, planned=None, **more):
 
 def iterate_only(options, ranks, directory, arguments):
     """As iterate(), of a run that is stopped before the reports at its end: on the reference path they take
-    longer than an iteration. One iteration more is planned, so that the run does not come to its end."""
+    longer than an iteration. One iteration more is planned, so that the run does not come to its end, unless
+    that is over in milliseconds, before it can be asked."""
     with stop_after(directory, options.iterations):
-        return iterate(options, ranks, directory, arguments, options.iterations + 1, statuses=(STOPPED,))
+        lines = iterate(options, ranks, directory, arguments, options.iterations + 1, statuses=(0, STOPPED))
+    return lines[:options.iterations]
 
 
 @contextlib.contextmanager
