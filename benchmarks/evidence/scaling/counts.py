@@ -169,6 +169,7 @@ def count_heat(solver, group, groups, rows):
         solver.collective("bcast", "across", 4)
         solver.collective("allreduce", "across", 4 * len(iterations[1:]))
         solver.collective("alltoall", "across", round(len(rows) * share) * DOUBLE)
+    solver.collective("allreduce", "world", 4)                       # is the time of this design known?
     solver.exchange(1, 3)                                            # load: fixed nodes, sum; T
     solver.reduce(4)                                                 # numbers?
     solver.reduce(DOUBLE, 2)                                         # range of T
