@@ -20,8 +20,8 @@ class RowProducts {
   RowProducts(std::size_t rows, std::size_t columns);
 
   double* row(std::size_t index) { return values_.data() + index * columns_; }
-  /// Adds A A^T of the first `columns`, a multiple of column_step, to the lower triangle of `sums`, rows by
-  /// rows numbers, by columns.
+  /// Adds A A^T, as far as the first `columns` make it, to the lower triangle of a square matrix, which is
+  /// stored column by column. `columns` is a multiple of column_step.
   void add_to(std::span<double> sums, std::size_t columns) const;
 
  private:

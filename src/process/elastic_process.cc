@@ -120,7 +120,7 @@ void ElasticProcess<Dim>::pull_back(const LayerDensities& densities,
     if (own.strains != nullptr) own.strains->resize(strains_->input_count(), 0.0);
   adjoint_loads_.update(densities, result_, functionals);
   const ElasticRun<Dim> run{systems_,  supports_, deposition_.get(), cases_,
-                            densities, *strains_, result_,           increments_};
+                            densities, *strains_, result_,           systems_.scratch()};
   ElasticAdjoint<Dim> adjoint(run, adjoint_loads_, all);
   adjoint_iterations_ = systems_.solve(densities, SolvePurpose::adjoint, adjoint);
 }

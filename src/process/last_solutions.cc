@@ -5,19 +5,18 @@
 
 namespace fabseq {
 
-void LastSolutions::recall(const Place& place, std::span<const int> nodes, LaneVector& solution) {
-  resize(some_, static_cast<int>(nodes.size()), solution.components, solution.lanes);
+void LastSolutions::recall(const Place& place, std::span<const int> nodes, LaneVector& solution) const {
+  LaneVector some(static_cast<int>(nodes.size()), solution.components, solution.lanes);
   const auto found = solutions_.find(key(place));
-  if (found != solutions_.end() && found->second.size() == some_.values.size())
-    std::ranges::copy(found->second, some_.values.begin());
-  else
-    std::ranges::fill(some_.values, 0.0);
-  spread(some_, nodes, solution.nodes, solution);
+  if (found != solutions_.end() && found->second.size() == some.values.size())
+    std::ranges::copy(found->second, some.values.begin());
+  spread(some, nodes, solution.nodes, solution);
 }
 
 void LastSolutions::keep(const Place& place, std::span<const int> nodes, const LaneVector& solution) {
-  pick(solution, nodes, some_);
-  solutions_[key(place)].assign(some_.values.begin(), some_.values.end());
+  LaneVector some;
+  pick(solution, nodes, some);
+  solutions_[key(place)].assign(some.values.begin(), some.values.end());
 }
 
 }  // namespace fabseq

@@ -24,19 +24,15 @@ class LastSolutions {
   };
 
   /// Sets `solution`, of its size, to what was kept there of these nodes, or to zero.
-  void recall(const Place& place, std::span<const int> nodes, LaneVector& solution);
+  void recall(const Place& place, std::span<const int> nodes, LaneVector& solution) const;
   void keep(const Place& place, std::span<const int> nodes, const LaneVector& solution);
-  void forget() {
-    solutions_.clear();
-    some_ = {};
-  }
+  void forget() { solutions_.clear(); }
 
  private:
   using Key = std::tuple<bool, int, std::size_t>;
   static Key key(const Place& place) { return {place.adjoint, place.block.first, place.side}; }
 
   std::map<Key, std::vector<float>> solutions_;  ///< by the first step of a block
-  LaneVector some_;                              ///< at the nodes of a call
 };
 
 }  // namespace fabseq

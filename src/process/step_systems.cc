@@ -13,6 +13,7 @@ namespace fabseq {
 template <int Dim>
 struct StepSystems<Dim>::Workspace {
   std::vector<LaneVector> loads, solutions;
+  LaneVector scratch;
 };
 
 template <int Dim>
@@ -159,6 +160,11 @@ std::vector<std::vector<SolveReport>> StepSystems<Dim>::solve_warm(const BlockRe
   auto reports = solver_->improve(loads, solutions);
   for (std::size_t i = 0; i < solutions.size(); ++i) last_->keep(place(i), model_.nodes, solutions[i]);
   return reports;
+}
+
+template <int Dim>
+LaneVector& StepSystems<Dim>::scratch() {
+  return workspace_->scratch;
 }
 
 template <int Dim>

@@ -19,7 +19,7 @@ GuidedProblem<Dim>::GuidedProblem(const Part<Dim>& part, double void_diffusivity
       domain_(start_domain(part)),
       diffusivity_(part.expand(std::vector<double>(part.elements().size(), 1.0), void_diffusivity)),
       solver_(make_solver(domain_, /*lumped=*/true)),
-      across_(across),
+      forward_(*solver_, across),
       lanes_(lanes) {}
 
 template <int Dim>
@@ -30,9 +30,8 @@ void GuidedProblem<Dim>::set_up() {
 
 template <int Dim>
 void GuidedProblem<Dim>::start_cold() {
-  solver_->start_cold();
+  forward_.start_cold();
   is_set_up_ = false;
-  last_times_.clear();
 }
 
 template <int Dim>
@@ -43,24 +42,8 @@ std::vector<double> GuidedProblem<Dim>::times(std::span<const double> vectors) {
                            {vectors.begin(), vectors.end()}};
   for (double& component : weighted.gradient) component *= part_.grid().element_volume();
   const LaneVector load = pull_back_means<Dim>(part_, element_, {&weighted, 1});
-  LaneVector solution = load;
-  const bool improves = warm_ && !last_times_.empty();
-  if (improves) solution.values = last_times_;
-  run_in_groups(across_, [&] {
-    set_up();
-    // A single right-hand side cannot be shared out.
-    if (rank_of(across_) != 0) return;
-    const auto reports =
-        improves ? solver_->improve({&load, 1}, {&solution, 1}) : solver_->solve({&load, 1}, {&solution, 1});
-    const SolveReport& report = reports[0];
-    require_convergence(report, "the solve for the guided time");
-    iterations_ = report.iterations;
-  });
-  if (solver_->saves_memory()) solver_->release_memory();
-  broadcast(across_, solution.values);
-  MPI_Bcast(&iterations_, 1, MPI_INT, 0, across_);
-  last_times_ = solution.values;
-  return std::move(solution.values);
+  return forward_.solve(
+      load, [&] { set_up(); }, "the solve for the guided time");
 }
 
 template <int Dim>

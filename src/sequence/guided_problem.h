@@ -6,6 +6,7 @@
 #include "fabseq/part/part.h"
 #include "fabseq/sequence/sequence.h"
 #include "fabseq/solve/heat_solver.h"
+#include "sequence/shared_solve.h"
 
 #include <functional>
 #include <memory>
@@ -42,7 +43,7 @@ class GuidedProblem {
   /// communicator and on `across`.
   std::vector<double> times(std::span<const double> vectors);
   /// Iterations of the last times().
-  int iterations() const { return iterations_; }
+  int iterations() const { return forward_.iterations(); }
 
   /// Derivatives with respect to v, [part element][axis], one list per row. Collective on the grid's
   /// communicator; each group acts on its own.
@@ -50,10 +51,7 @@ class GuidedProblem {
   /// Iterations of the last pull_back(), one entry per row.
   const std::vector<int>& adjoint_iterations() const { return adjoint_iterations_; }
 
-  void set_tolerance(const SolveTolerance& tolerance) {
-    solver_->set_tolerance(tolerance);
-    warm_ = tolerance.warm;
-  }
+  void set_tolerance(const SolveTolerance& tolerance) { forward_.set_tolerance(tolerance); }
   void start_cold();
   void release_memory() { solver_->release_memory(); }
 
@@ -65,12 +63,9 @@ class GuidedProblem {
   SystemDomain domain_;
   std::vector<double> diffusivity_;  ///< of all owned elements of the grid
   std::unique_ptr<HeatSolver<Dim>> solver_;
-  MPI_Comm across_;
+  SharedSolve<Dim> forward_;
   int lanes_;
   bool is_set_up_ = false;
-  bool warm_ = false;               ///< whether times() begins with the last ones
-  std::vector<double> last_times_;  ///< of the first group; empty: none
-  int iterations_ = 0;
   std::vector<int> adjoint_iterations_;
 };
 

@@ -88,7 +88,7 @@ HeatSequence<Dim>::HeatSequence(const Part<Dim>& part, const HeatSettings& setti
       target_gradient_(target_gradient),
       model_(std::move(model)),
       solver_(std::move(solver)),
-      across_(across),
+      forward_(*solver_, across),
       lanes_(lanes),
       filter_(part, settings.filter_radius) {}
 
@@ -125,28 +125,9 @@ const PseudoTime<Dim>& HeatSequence<Dim>::update(std::span<const double> design)
 /// T is 1 at the fixed nodes plus a correction that vanishes there: K_ff T_f = -K_fd 1.
 template <int Dim>
 void HeatSequence<Dim>::solve_temperature() {
-  const LaneVector load = prescribed_load();
-  const bool improves = warm_ && knows_temperature_;
-  LaneVector correction = load;
-  if (improves) correction.values = time_.temperature;
-  int iterations = 0;
-  run_in_groups(across_, [&] {
-    solver_->set_operator(diffusivity_, model_->reaction);
-    // A single right-hand side cannot be shared out, and other groups would only take bandwidth from the
-    // first.
-    if (rank_of(across_) != 0) return;
-    const auto reports = improves ? solver_->improve({&load, 1}, {&correction, 1})
-                                  : solver_->solve({&load, 1}, {&correction, 1});
-    const SolveReport& report = reports[0];
-    require_convergence(report, "the heat solve");
-    iterations = report.iterations;
-  });
-  if (solver_->saves_memory()) solver_->release_memory();
-  time_.temperature = std::move(correction.values);
-  broadcast(across_, time_.temperature);
-  MPI_Bcast(&iterations, 1, MPI_INT, 0, across_);
-  time_.iterations = iterations;
-  knows_temperature_ = true;
+  time_.temperature = forward_.solve(
+      prescribed_load(), [&] { solver_->set_operator(diffusivity_, model_->reaction); }, "the heat solve");
+  time_.iterations = forward_.iterations();
   for (std::size_t n = 0; n < time_.temperature.size(); ++n)
     if (model_->domain.fixed[n] != 0) time_.temperature[n] = 1.0;
   ghosted_temperature_ = part_.grid().exchange(1).ghosted(time_.temperature);

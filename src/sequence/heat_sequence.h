@@ -9,6 +9,7 @@
 #include "fabseq/solve/heat_solver.h"
 #include "fabseq/solve/solver_settings.h"
 #include "sequence/averaging_filter.h"
+#include "sequence/shared_solve.h"
 
 #include <memory>
 #include <optional>
@@ -83,14 +84,8 @@ class HeatSequence : public Sequence<Dim> {
   std::vector<double> initial_design() const override;
   const PseudoTime<Dim>& update(std::span<const double> design) override;
   std::vector<std::vector<double>> pull_back(std::span<const TimeDerivatives> rows) override;
-  void set_tolerance(const SolveTolerance& tolerance) override {
-    solver_->set_tolerance(tolerance);
-    warm_ = tolerance.warm;
-  }
-  void start_cold() override {
-    solver_->start_cold();
-    knows_temperature_ = false;
-  }
+  void set_tolerance(const SolveTolerance& tolerance) override { forward_.set_tolerance(tolerance); }
+  void start_cold() override { forward_.start_cold(); }
   void release_memory() override { solver_->release_memory(); }
   std::vector<int> adjoint_iterations() const override { return adjoint_iterations_; }
 
@@ -104,13 +99,11 @@ class HeatSequence : public Sequence<Dim> {
   double target_gradient_;
   std::unique_ptr<const HeatModel<Dim>> model_;
   std::unique_ptr<HeatSolver<Dim>> solver_;
-  MPI_Comm across_;
+  SharedSolve<Dim> forward_;
   int lanes_;
   AveragingFilter<Dim> filter_;
   std::vector<double> diffusivity_;          ///< of all owned elements of the grid, filtered
   std::vector<double> ghosted_temperature_;  ///< on the ghosted node box
-  bool warm_ = false;                        ///< whether a solve begins with the last temperature
-  bool knows_temperature_ = false;           ///< whether there is one
   PseudoTime<Dim> time_;
   std::vector<int> adjoint_iterations_;
 };

@@ -9,6 +9,7 @@
 #include "fabseq/solve/reference/reference_elasticity.h"
 #include "kernels/lane_array.h"
 #include "multigrid/lane_layout.h"
+#include "solve/first_guess.h"
 
 #include <map>
 #include <memory>
@@ -52,8 +53,6 @@ class LaneElasticity : public ElasticitySolver<Dim> {
   std::string description() const override;
 
  private:
-  /// What a solve begins with: zero, or what the displacements hold.
-  enum class FirstGuess { zero, given };
   std::vector<std::vector<SolveReport>> solve_from(FirstGuess guess, std::span<const LaneVector> loads,
                                                    std::span<LaneVector> displacements);
   void set_up(auto& solver, bool changed);

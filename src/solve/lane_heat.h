@@ -8,6 +8,7 @@
 #include "fabseq/solve/heat_solver.h"
 #include "kernels/lane_array.h"
 #include "multigrid/lane_layout.h"
+#include "solve/first_guess.h"
 #include "solve/reference/reference_heat.h"
 
 #include <array>
@@ -51,7 +52,6 @@ class LaneHeat : public HeatSolver<Dim> {
   static LaneCycle cycle_of_steps();
 
  private:
-  enum class FirstGuess { zero, given };
   std::vector<SolveReport> solve_from(FirstGuess guess, std::span<const LaneVector> loads,
                                       std::span<LaneVector> solutions);
   std::vector<SolveReport> solve_block(FirstGuess guess, const LaneVector& load, LaneVector& solution);

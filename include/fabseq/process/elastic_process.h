@@ -44,10 +44,6 @@ class ElasticProcess : public Process<Dim> {
                                            const ReleaseSolver& solver) const override;
   LockedIn locked_in(const LayerDensities& densities) const override;
   LockedIn released(LockedIn built, std::span<const double> release) const override;
-  void release_memory() override {
-    Process<Dim>::release_memory();
-    increments_ = {};
-  }
   /// Forces of the supports on the last simulation's part, sum_s (K_s du_s - f_s), [owned node][component], 0
   /// elsewhere, for unit Young's modulus. They balance themselves. `number`: of the strain case.
   std::vector<double> reactions(const LayerDensities& densities, std::size_t number = 0) const;
@@ -61,7 +57,6 @@ class ElasticProcess : public Process<Dim> {
   Superposition superposition_;
   SupportForces<Dim> supports_;
   AdjointLoads<Dim> adjoint_loads_;
-  LaneVector increments_;  ///< of a block on all owned nodes, in adjoints
 };
 
 }  // namespace fabseq

@@ -103,6 +103,9 @@ class StepSystems {
   /// on the grid's communicator.
   std::vector<SolveReport> solve_current(std::size_t block, const LaneVector& load, LaneVector& solution,
                                          const char* what);
+  /// A vector for who takes the solutions, any size and values: like those of the solves it keeps its memory
+  /// from block to block and from solve to solve. Local.
+  LaneVector& scratch();
   /// Gives back the solver's memory if it is to save it, until the next set_operators(). Not collective.
   void save_memory();
   /// Later systems are solved to this tolerance.
