@@ -30,7 +30,8 @@ class OutputDirectoryTest(BadInputTest):
     def test_a_link_that_leads_nowhere(self):
         output = os.path.join(self.directory, "link")
         os.symlink("nowhere", output)
-        self.assert_refused(plate_2d(), words=["link", "'nowhere', which is not there"], output=output, status=OUTPUT_FAILURE)
+        self.assert_refused(plate_2d(), words=["link", "'nowhere', which is not there"], output=output,
+                            status=OUTPUT_FAILURE)
 
 
 class CommandLineTest(FabseqTest):
@@ -99,7 +100,8 @@ class CommandLineTest(FabseqTest):
             shutil.copy(options, petscrc)
             from_folder = self.run_program(ranks, "-config", path)
             os.remove(petscrc)
-            for run, word in ((from_environment, "-layers"), (from_file, "-max_iterations"), (from_folder, "-max_iterations")):
+            for run, word in ((from_environment, "-layers"), (from_file, "-max_iterations"),
+                              (from_folder, "-max_iterations")):
                 self.assertEqual(run.status, BAD_INPUT, str(run))
                 (message,) = run.messages()
                 self.assertIn(f"fabseq: {word}: found in PETSC_OPTIONS", message)
@@ -125,9 +127,10 @@ class CommandLineTest(FabseqTest):
                 said += run.messages()
             self.assertEqual(len(said), 1, said)
             self.assertIn("started 2 processes that do not know of each other", said[0])
-            with mock.patch.dict(os.environ, {count: "2", rank: "0"}):  # within a job: one run on purpose, and two ranks
-                status, _, stderr = run_fabseq.run_command(["mpirun", "-np", "1", PROGRAM, "-config", path, "-task", "check"],
-                                                           self.directory, 120)
+            # Within a job: one run on purpose, and two ranks.
+            with mock.patch.dict(os.environ, {count: "2", rank: "0"}):
+                command = ["mpirun", "-np", "1", PROGRAM, "-config", path, "-task", "check"]
+                status, _, stderr = run_fabseq.run_command(command, self.directory, 120)
                 self.assertEqual(status, DONE, stderr)
                 self.assert_done(self.run_program(2, "-config", path, "-task", "check"))
 

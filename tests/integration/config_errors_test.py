@@ -45,7 +45,8 @@ class ConfigErrorsTest(BadInputTest):
     def test_sharpness(self):
         for value in ("-1", "0", "inf", "nan", "1e999", "1e300", "1e-300"):
             for key in ("beta", "max"):
-                self.assert_refused(plate_2d(), "-set", f"projection.{key}={value}", words=[f"/projection/{key}: found "])
+                self.assert_refused(plate_2d(), "-set", f"projection.{key}={value}",
+                                    words=[f"/projection/{key}: found "])
 
     @run_fabseq.only_release  # sanitizers take address space by the terabyte
     def test_address_space(self):
@@ -56,11 +57,13 @@ class ConfigErrorsTest(BadInputTest):
             return mock.patch.object(run_fabseq, "launcher", lambda ranks: [
                 *launcher(ranks), "bash", "-c", f'ulimit -v {kilobytes} && exec "$0" "$@"'])
         with limited(300000):
-            self.assert_refused(plate_2d(), words=["the limit of the address space: found 0.307 GB (ulimit -v); allowed: "])
+            self.assert_refused(plate_2d(), words=[
+                "the limit of the address space: found 0.307 GB (ulimit -v); allowed: "])
         config = hook_3d()
         config["domain"]["elements"] = [6 * n for n in config["domain"]["elements"]]
         with limited(700000):
-            self.assert_refused(config, "-layers", 400, words=["/layers/count: ", "; the limit of the address space is "])
+            self.assert_refused(config, "-layers", 400, words=[
+                "/layers/count: ", "; the limit of the address space is "])
 
     def test_absurd_sizes(self):
         """Numbers that size memory: refused before anything of that size is asked for."""
@@ -117,7 +120,8 @@ class ConfigErrorsTest(BadInputTest):
 
     def test_misspelt_option(self):
         """Before the config is read, which is not there."""
-        for option, meant in (("-max_iteratons", "-max_iterations"), ("-elastcity_ksp_max_it", "-elasticity_ksp_max_it"),
+        for option, meant in (("-max_iteratons", "-max_iterations"),
+                              ("-elastcity_ksp_max_it", "-elasticity_ksp_max_it"),
                               ("-sub_parts", "-subparts")):
             self.assert_refused("missing.json", option, "3", words=[option, "unknown option", f'"{meant}"', "-help"])
 

@@ -63,7 +63,8 @@ class PythonErrorsTest(PythonModuleTest):
                 except Exception as error:
                     print(type(error).__name__, error, file=lines, flush=True)
         """
-        status, stdout, stderr = self.run_python(ranks, "-c", "import fabseq\n" + textwrap.dedent(head) + textwrap.dedent(text))
+        program = "import fabseq\n" + textwrap.dedent(head) + textwrap.dedent(text)
+        status, stdout, stderr = self.run_python(ranks, "-c", program)
         found = []
         for rank in range(ranks):
             with open(os.path.join(self.directory, f"report_{rank}.txt"), encoding="utf-8") as file:
@@ -97,10 +98,10 @@ class PythonErrorsTest(PythonModuleTest):
             f"ValueError evaluate(): /beta: found 4.0 on rank 1 and null {same}",
             "done",
             f"ValueError gradients(): /names: found [\"objective_0\"] on rank 1 and [\"objective_1\"] {same}",
-            "RuntimeError found gradients() of problem 1 on rank 1 and fields() of problem 1 on rank 0; allowed: the same "
-            "call on all ranks",
-            "RuntimeError found evaluate() of problem 2 on rank 1 and evaluate() of problem 1 on rank 0; allowed: the same "
-            "call on all ranks",
+            "RuntimeError found gradients() of problem 1 on rank 1 and fields() of problem 1 on rank 0; allowed: the "
+            "same call on all ranks",
+            "RuntimeError found evaluate() of problem 2 on rank 1 and evaluate() of problem 1 on rank 0; allowed: the "
+            "same call on all ranks",
             "done"])
         self.assertIn("and \"missing.json\" on rank 0", found[0][3])
         self.assertEqual(found[0], found[1])
@@ -161,8 +162,8 @@ class PythonErrorsTest(PythonModuleTest):
                 self.assertEqual(found_status, status, text)
                 self.assertEqual(found[1], ["done"])
                 self.assertEqual(found[0], ["done"] + 2 * [
-                    "RuntimeError found the end of the program on rank 1 and evaluate() of problem 1 on rank 0; allowed: "
-                    "the same call on all ranks"])
+                    "RuntimeError found the end of the program on rank 1 and evaluate() of problem 1 on rank 0; "
+                    "allowed: the same call on all ranks"])
 
     def test_an_object_without_init(self):
         for ranks in (1, 2):
@@ -184,8 +185,9 @@ class PythonErrorsTest(PythonModuleTest):
             without = "TypeError found a fabseq.Problem without __init__; allowed: fabseq.Problem(config)"
             self.assertEqual(found[0][:10], 10 * [without])
             self.assertEqual(found[0][10], "TypeError found 'text'; allowed: a fabseq.Problem")
-            self.assertEqual(found[0][11:], [without.replace(" found", " rank 1: found"), "done"] if ranks == 2
-                             else ["ValueError gradients, fields: found no evaluated design; allowed: after evaluate()", "done"])
+            alone = "ValueError gradients, fields: found no evaluated design; allowed: after evaluate()"
+            with_others = without.replace(" found", " rank 1: found")
+            self.assertEqual(found[0][11:], [with_others if ranks == 2 else alone, "done"])
             self.assertTrue(all(lines == found[0] for lines in found))
 
     def test_mpi_that_has_ended(self):
@@ -197,8 +199,9 @@ class PythonErrorsTest(PythonModuleTest):
             MPI.Finalize()
             design = np.ones(3)
             for call in (lambda: fabseq.Problem({plate_2d()!r}), lambda: problem.evaluate(design), problem.gradients,
-                         problem.fields, lambda: problem.gather(design), lambda: problem.share(design), lambda: problem.rank,
-                         lambda: problem.bounds, lambda: problem.design, lambda: problem.logarithmic):
+                         problem.fields, lambda: problem.gather(design), lambda: problem.share(design),
+                         lambda: problem.rank, lambda: problem.bounds, lambda: problem.design,
+                         lambda: problem.logarithmic):
                 try:
                     call()
                 except RuntimeError as error:

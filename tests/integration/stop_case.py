@@ -16,7 +16,8 @@ LONG = ("-elements", "60,36", "-max_iterations", "100000")
 class StopTest(FabseqTest):
     def start(self, ranks, output, *arguments, environment=None):
         path = self.write_config(plate_2d())
-        command = ["mpirun", "-np", str(ranks), PROGRAM, "-config", path, "-output", output, *LONG, *map(str, arguments)]
+        command = ["mpirun", "-np", str(ranks), PROGRAM, "-config", path, "-output", output, *LONG,
+                   *map(str, arguments)]
         return Process(command, self.directory, environment)
 
     def wait_for_lines(self, process, output, count):

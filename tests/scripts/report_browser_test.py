@@ -24,13 +24,15 @@ class InBrowser(browser.WithBrowser, Report):
         path = (directory or self.solid) / page
         self.browser.open(f"file://{path}#{state}")
         self.assertEqual(self.browser.complaints, [])
-        self.assertLessEqual({address.split("#")[0] for address in self.browser.requests} - {"about:blank"}, {f"file://{path}"})
+        asked_for = {address.split("#")[0] for address in self.browser.requests} - {"about:blank"}
+        self.assertLessEqual(asked_for, {f"file://{path}"})
         self.browser.requests.clear()
         self.browser.value("document.querySelector('.views').scrollIntoView()")
         picture = Path(self.folder.name) / "picture.png"
         self.browser.picture(picture)
         boxes = self.browser.value("""[...document.querySelectorAll('.surface')].map((surface) => {
-          const box = surface.getBoundingClientRect(); return [box.top, box.bottom, box.left, box.right].map(Math.round); })""")
+          const box = surface.getBoundingClientRect();
+          return [box.top, box.bottom, box.left, box.right].map(Math.round); })""")
         pixels = image.imread(picture)[..., :3]
         return [pixels[top + 2:bottom - 2, left + 2:right - 2] for top, bottom, left, right in boxes]
 
@@ -57,8 +59,8 @@ class InBrowser(browser.WithBrowser, Report):
         self.assertGreater(shares[0][0], 0.005)
 
     def test_fields_look_different_and_displacement_deforms(self):
-        pictures = {state: self.open(state) for state in ("field=layer", "field=time", "field=displacement&magnification=0",
-                                                          "field=displacement")}
+        pictures = {state: self.open(state) for state in (
+            "field=layer", "field=time", "field=displacement&magnification=0", "field=displacement")}
         states = list(pictures)
         for first, second in zip(states, states[1:]):
             difference = np.abs(pictures[first][1] - pictures[second][1]).max(axis=-1).mean()
@@ -71,7 +73,8 @@ class InBrowser(browser.WithBrowser, Report):
         self.assertAlmostEqual(float(labels[2].split()[0]), largest, delta=0.01 * largest)
 
     def test_released_and_hanging(self):
-        built, released = (self.open(f"field=displacement&magnification=10{state}") for state in ("", "&state=released"))
+        built, released = (self.open(f"field=displacement&magnification=10{state}")
+                           for state in ("", "&state=released"))
         self.assertGreater(float(np.abs(built[1] - released[1]).max(axis=-1).mean()), 0.005)
         self.assertEqual(self.browser.value("document.querySelectorAll('.bar select')[1].value"), "released")
         views = self.open("field=hanging&camera=1,0,0.5,0,0,0,2")
@@ -92,7 +95,8 @@ class InBrowser(browser.WithBrowser, Report):
         self.open("time=0.5")
         self.browser.value("document.querySelector('.time input').focus()")
         for kind in ("keyDown", "keyUp"):
-            self.browser.call("Input.dispatchKeyEvent", type=kind, key="ArrowRight", code="ArrowRight", windowsVirtualKeyCode=39)
+            self.browser.call("Input.dispatchKeyEvent", type=kind, key="ArrowRight", code="ArrowRight",
+                              windowsVirtualKeyCode=39)
         self.assertIn("time=0.505", self.browser.value("location.hash"))
 
     def test_one_camera_for_all_views(self):

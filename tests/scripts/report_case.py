@@ -40,15 +40,17 @@ def write_run(directory, density, size, noise=0.0):
         summary["start"] = {**summary["baseline"], "layers": summary["binary"]["layers"]}
         for k, block in enumerate(("start", "baseline", "optimized", "binary"), start=1):
             summary[block]["deposition"] = {
-                model: {"displacement": {"max": 0.1 / k + j, "rms": 0.011 / k + j}, "nodes": {"max": 0.09 / k, "rms": 0.017 * k},
+                model: {"displacement": {"max": 0.1 / k + j, "rms": 0.011 / k + j},
+                        "nodes": {"max": 0.09 / k, "rms": 0.017 * k},
                         "distortion": [{"name": "objective_0", "value": (0.7 / k + j)**2, "length": 0.7 / k + j}]}
                 for j, model in enumerate(MODELS)}
 
     fake_results.change(directory, "summary.json", add_models)
     fake_results.change(directory, "config.json", lambda config: config.update(process={"deposition": "nominal"}))
     (directory / "sensitivity.json").write_text(json.dumps(
-        {"name": "v_shape", "changes": CHANGES, "worst": {key: {"ratio": CHANGES[1]["ratio"][key], "change": "void quiet"}
-                                                          for key in ("length", "rms")}}), encoding="utf-8")
+        {"name": "v_shape", "changes": CHANGES,
+         "worst": {key: {"ratio": CHANGES[1]["ratio"][key], "change": "void quiet"} for key in ("length", "rms")}}),
+        encoding="utf-8")
 
 
 def report(*arguments):
