@@ -23,6 +23,11 @@ bool Config::needs_time_gradient(const ResponseType& type) const {
   return type.needs_time_gradient || (type.needs_torch_axis && tool.axis.empty());
 }
 
+bool Config::has_layers_of(const ResponseType& type) const {
+  return type.layers == LayerKind::any ||
+         type.layers == (layers.multi_planar ? LayerKind::multi_planar : LayerKind::curved);
+}
+
 std::optional<TargetThickness> target_thickness(const Config& config) {
   const auto target_of = [&](double bead, const std::string& key) {
     return TargetThickness{config.layers.passes * bead, key, bead};

@@ -114,11 +114,10 @@ void check_region(const Config& config) {
 }
 
 void check_needs(const Config& config, const ResponseType& type, const std::string& pointer) {
-  const LayerKind kind = config.layers.multi_planar ? LayerKind::multi_planar : LayerKind::curved;
-  const auto name = [](LayerKind of) { return of == LayerKind::curved ? "curved" : "multi_planar"; };
-  if (type.layers != LayerKind::any && type.layers != kind)
-    refuse(pointer, shown(type.name) + " with layers of type \"" + name(kind) + "\"",
-           std::string("this type with layers of type ") + name(type.layers));
+  if (!config.has_layers_of(type))
+    refuse(pointer,
+           shown(type.name) + " with layers of type \"" + (config.layers.multi_planar ? "multi_planar" : "curved") + "\"",
+           "this type with layers of type " + name_of(type.layers));
   if (config.needs_time_gradient(type) && !config.has_time_gradient())
     refuse(pointer, shown(type.name) + without_gradient(config),
            "this type with sequence type " + sequences_with_gradient());

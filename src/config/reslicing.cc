@@ -27,13 +27,19 @@ bool is_given(const CommandLine& command_line, const std::string& path) {
                      [&](const auto& setting) { return setting.first == path; });
 }
 
-void leave_out_terms_of_gradient(const Config& config, std::vector<Term>& terms, const std::string& list) {
+/// Why a sequence from a file has no such response; empty if it has.
+std::string obstacle_to(const ResponseType& type, const Config& config) {
+  if (config.needs_time_gradient(type))
+    return "it needs the gradient of the pseudo-time, which a sequence from a file has for checks only";
+  return config.has_layers_of(type) ? "" : "it is for layers of type " + name_of(type.layers);
+}
+
+void leave_out_terms(const Config& config, std::vector<Term>& terms, const std::string& list) {
   std::erase_if(terms, [&](const Term& term) {
-    const ResponseType& type = *term.type;
-    if (!config.needs_time_gradient(type)) return false;
-    warn("-sequence: " + pointer_to(pointer_to("", list), term.position) + " (" + type.name +
-         ") is left out: it needs the gradient of the pseudo-time, which a sequence from a file has for "
-         "checks only");
+    const std::string why = obstacle_to(*term.type, config);
+    if (why.empty()) return false;
+    warn("-sequence: " + pointer_to(pointer_to("", list), term.position) + " (" + term.type->name +
+         ") is left out: " + why);
     return true;
   });
 }
@@ -81,8 +87,8 @@ void reslice(const CommandLine& command_line, const Slicing& of_file, Config& co
     config.projection.beta = of_file.beta * (*layers.count / of_file.layers);
     config.projection.max = config.projection.beta;
   }
-  leave_out_terms_of_gradient(config, config.objective, "objective");
-  leave_out_terms_of_gradient(config, config.constraints, "constraints");
+  leave_out_terms(config, config.objective, "objective");
+  leave_out_terms(config, config.constraints, "constraints");
   if (!target || layers.multi_planar) return;
   const bool is_resliced = file_layers > 0 && layers.count;
   const double layer =

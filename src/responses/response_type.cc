@@ -33,6 +33,10 @@ Section<Term> common_objective_keys() {
 
 }  // namespace
 
+std::string name_of(LayerKind kind) {
+  return kind == LayerKind::any ? "" : kind == LayerKind::curved ? "curved" : "multi_planar";
+}
+
 void register_type(const ResponseType* type) { registry().push_back(type); }
 
 std::vector<const ResponseType*> response_types(TermList list) {

@@ -83,6 +83,19 @@ class PathFilesTest(unittest.TestCase):
         self.assertIn("they count within each layer", printed)
         self.assertEqual(fields["layer"].max(), 2)
 
+    def test_finer_grid(self):
+        rows = [(*point, layer) for layer in (1, 2) for point in lines(layer)]
+        name = self.table("x,y,z,layer", rows)
+        fields, printed = self.fields(name, "--finer", "2")
+        expected = np.empty([2 * count for count in COUNTS[::-1]], int)
+        expected[:8], expected[8:] = 1, 2
+        np.testing.assert_array_equal(fields["layer"], expected)
+        self.assertIn(" -set domain.elements=[40,20,16] ", printed)
+        self.assertIn("--finer: found 0; allowed: 1 and more", self.imported(name, "--finer", "0").stderr)
+        voxels = {**CONFIG, "part": {"voxels": {"file": "part.h5"}}}
+        (self.folder / "config.json").write_text(json.dumps(voxels), encoding="utf-8")
+        self.assertIn("allowed: 1 for a part in voxels", self.imported(name, "--finer", "2").stderr)
+
     def test_travels_are_left_out(self):
         """By whatever column says so: at a safe height they would be layers of their own."""
         rows = [(*point, layer) for layer in (1, 2) for point in lines(layer)]

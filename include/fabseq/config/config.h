@@ -40,6 +40,8 @@ struct Config : ModelSettings {
   bool has_time_gradient() const { return sequence.facts.gradient_obstacle.empty(); }
   /// Whether a response of that type needs the gradient of the pseudo-time, itself or as the torch's axis.
   bool needs_time_gradient(const ResponseType& type) const;
+  /// Whether the layers are of the kind that a response of that type is for.
+  bool has_layers_of(const ResponseType& type) const;
 };
 
 /// Validates `document` (the parsed config with -set and flat options applied) against the sections of keys

@@ -21,6 +21,9 @@ enum class TermList { objective, constraints };
 /// Kinds of layers that a response may need.
 enum class LayerKind { any, curved, multi_planar };
 
+/// The layers.type of a kind; empty for any.
+std::string name_of(LayerKind kind);
+
 /// What the keys of a term are checked against.
 struct TermPlace {
   std::string pointer;  ///< JSON pointer of the term, such as "/objective/0"

@@ -188,8 +188,10 @@ class LayeredPart:
         return (values - layer.lower) / (layer.upper - layer.lower)
 
     def judged_beads(self, layer, points):
-        """Axes and heights of beads of a layer at points, as the check has judged the elements around; None
-        where it has not."""
+        """Axes and heights of beads of a layer at points: those of its planes, or as the check has judged the
+        elements around; None where it has not."""
+        if layer.direction is not None:
+            return np.tile(layer.direction, (len(points), 1)), np.full(len(points), layer.upper - layer.lower)
         if self.judged.range(layer.number) is None:
             return None
         slopes = self.judged.slopes(points, self.times)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Makes a sequence of torch paths, which fabseq simulates and checks like its own.
 
-    fabseq-tools import-paths PATHS CONFIG [--output SEQUENCE.h5] [--at SHARE] [--frame drawing|plate]
+    fabseq-tools import-paths PATHS CONFIG [--output SEQUENCE.h5] [--at SHARE] [--frame drawing|plate] [--finer N]
 
 PATHS is a table (CSV) with a line per waypoint, or any file of `fabseq-tools paths`, also those for COMPAS
 and IRBCAM (whose table has layers only with the JSON file beside it). The first line of a table names the
@@ -23,7 +23,8 @@ Each element takes the layer of the waypoint next to it, or its order if there a
 the waypoints in their layer, from 0 to 1 (default: 0.5), where there is no column level. Without columns of
 axis and height these follow from the waypoints of the layer and of the next one below. A warning says where
 waypoints seem to lie at the top or the bottom of their layers. Prints the command that simulates the
-sequence.
+sequence. --finer: the sequence is for N times as many elements along each axis as the config's, and so is the
+command: a run judges its beads with 2.5 or more elements to each.
 
 SEQUENCE.h5 (default: PATHS_sequence.h5 beside the table) has, for all elements [z][y][x] of the config's box:
 - time: the pseudo-time. In layer j of N it goes from (j - 1)/N to j/N along the build direction, so that the
@@ -70,10 +71,12 @@ def main(words):
     parser.add_argument("--output", help="HDF5 file (default: PATHS_sequence.h5)")
     parser.add_argument("--at", type=share, default=0.5, help="height of waypoints in the layer (default: %(default)s)")
     parser.add_argument("--frame", choices=FRAMES, help="whose coordinates (default: what paths.json says, or drawing)")
+    parser.add_argument("--finer", type=int, default=1, metavar="N", help="elements along each axis (default: %(default)s)")
     arguments = parser.parse_args(words)
     path = arguments.config
     path = os.path.join(path, "config.json") if os.path.isdir(path) else path
     config = checked_config(read_config(path), path)
+    finer = finer_grid(config, arguments.finer)
     output = arguments.output or os.path.splitext(arguments.paths)[0] + "_sequence.h5"
     found = read_paths(arguments.paths)
     placement = Placement(config, arguments.frame or found.frame)
@@ -106,7 +109,20 @@ def main(words):
     count = int(layer.max()) if layer is not None else None
     layers = f" -set {shlex.quote(f'layers={layers_of_paths(config, count)}')}" if count else layers_of_config(config, path)
     print(f"{output}: {f'{count} layers' if count else 'an order without layers'}; simulate it with")
-    print(f"fabseq -config {shlex.quote(path)} -task simulate -sequence {shlex.quote(output)}{layers} -binary -output OUTPUT")
+    print(f"fabseq -config {shlex.quote(path)} -task simulate -sequence {shlex.quote(output)}{finer}{layers} -binary -output OUTPUT")
+
+
+def finer_grid(config, finer):
+    """Divides the config's elements; the option that does so in the program."""
+    if finer < 1:
+        raise RunError(f"--finer: found {finer}; allowed: 1 and more")
+    if finer > 1 and "voxels" in config["part"]:
+        raise RunError(f"--finer: found {finer}; allowed: 1 for a part in voxels, whose file has as many as the grid")
+    if finer == 1:
+        return ""
+    domain = config["domain"]
+    domain["elements"] = [finer * count for count in domain["elements"]]
+    return f" -set domain.elements={json.dumps(domain['elements'], separators=(',', ':'))}"
 
 
 def misfits(points, config, result):

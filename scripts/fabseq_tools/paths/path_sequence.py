@@ -56,16 +56,16 @@ class Predictions:
         aside = np.sqrt(np.maximum((away**2).sum(axis=-1) - above**2, 0.0))
         spacing = np.median(waypoints.spacings if waypoints.spacings is not None else waypoints.heights)
         self.levels = waypoints.levels[chosen] + above / heights
-        self.distances = np.hypot(2.0 * self.levels - 1.0, aside / spacing)
+        self.distances = np.hypot(2.0 * self.levels - 1.0, 2.0 * aside / spacing)
 
 
 def exact_fields(waypoints, centres):
     """An element's layer is first that of the waypoint whose bead it is nearest to. Then the waypoints around
     it, which say where their layers lie and along which axis these grow, say where it lies."""
     count = waypoints.layers.max()
-    near = nearest_bead(waypoints, centres)
     away, around = KDTree(waypoints.points).query(centres, k=min(NEIGHBOURS, len(waypoints.points)))
     around = around.reshape(len(centres), -1)
+    near = nearest_bead(waypoints, centres, waypoints.layers[around])
     first = Predictions(waypoints, centres, near)
     start = waypoints.layers[near] - 1 + first.levels
     found = Predictions(waypoints, centres, around)
@@ -91,12 +91,13 @@ def exact_fields(waypoints, centres):
             "time_gradient": direction / (count * thickness)[:, None]}
 
 
-def nearest_bead(waypoints, centres):
-    """The waypoint whose bead an element is nearest to, among those next to it in the layers around."""
-    first = waypoints.layers[KDTree(waypoints.points).query(centres)[1]]
+def nearest_bead(waypoints, centres, around):
+    """The waypoint whose bead an element is nearest to, among those next to it in the layers near those of
+    the waypoints `around` it (n, k)."""
     best, result = np.full(len(centres), np.inf), np.zeros(len(centres), int)
     for number in range(1, waypoints.layers.max() + 1):
-        near, own = np.flatnonzero(np.abs(first - number) <= OTHER_LAYERS), np.flatnonzero(waypoints.layers == number)
+        near = np.flatnonzero((np.abs(around - number) <= OTHER_LAYERS).any(axis=1))
+        own = np.flatnonzero(waypoints.layers == number)
         if len(near):
             chosen = own[KDTree(waypoints.points[own]).query(centres[near])[1]]
             distance = Predictions(waypoints, centres[near], chosen).distances
