@@ -54,6 +54,9 @@ Section<MultiPlanarSettings> multi_planar_keys() {
            {.type = KeyType::list, .range = "(0, 1)", .words = "auto"})
       .key("thickness", &Its::thickness, "Thickness of the layers",
            {.range = "(0, inf)", .unit = "length", .option = "-layer_thickness"})
+      .key("origin", &Its::origin,
+           "Point from which heights are measured that cut the layers; auto: lower corner of the box",
+           {.type = KeyType::list, .words = "auto", .unit = "length"})
       .key("angles",
            "Initial print direction of each sub-part: 2D angle to the x axis, 3D elevation and azimuth; "
            "auto: the plate's normal",

@@ -40,9 +40,11 @@ MultiPlanarLayers<Dim>::MultiPlanarLayers(const Part<Dim>& part, const MultiPlan
     const auto direction = print_direction<Dim>(&angles_[static_cast<std::size_t>(i) * angle_count<Dim>]);
     directions_.insert(directions_.end(), direction.begin(), direction.end());
   }
+  const auto& corner = part.grid().domain().origin;
   for (const int element : part.elements()) {
     Point<Dim> center = part.grid().element_center(part.grid().owned_elements().index(element));
-    for (int axis = 0; axis < Dim; ++axis) center[axis] -= part.grid().domain().origin[axis];
+    for (int axis = 0; axis < Dim; ++axis)
+      center[axis] -= settings.origin.empty() ? corner[axis] : settings.origin[axis];
     centers_.insert(centers_.end(), center.begin(), center.end());
   }
 }

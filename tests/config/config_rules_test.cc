@@ -255,6 +255,9 @@ TEST(ConfigRulesTest, MultiPlanarLayers) {
             0U);
   EXPECT_EQ(multi_planar_error(plane, two + R"(, "timestamps": [1.0])"),
             "/layers/timestamps/0: found 1.0; allowed: \"auto\" or a list of numbers in (0, 1)");
+  EXPECT_EQ(multi_planar_error(solid, two + R"(, "origin": [-1, 0, 2.5])"), "no error");
+  EXPECT_EQ(multi_planar_error(plane, two + R"(, "origin": [0, 0, 0])"),
+            "/layers/origin: found [0,0,0]; allowed: \"auto\" or 2 numbers");
   EXPECT_EQ(multi_planar_error(solid, two + R"(, "angles": [[0.3], [1.2]])"),
             "/layers/angles/0: found [0.3]; allowed: a list of 2 numbers");
   EXPECT_EQ(multi_planar_error(plane, two + R"(, "angles": [[0.3]])"),

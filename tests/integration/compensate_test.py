@@ -108,6 +108,24 @@ class CompensateTest(FabseqTest):
             self.assertEqual(len(run.json(f"compensated/{folder}/summary.json")["layers"]), 5)
         np.testing.assert_array_equal(self.field(run, "round_0", "layer")[:4, 1:-1, 1:-1], read_result(run)["layer"])
 
+    def test_sub_parts(self):
+        """The planes of a hook in two sub-parts stay where they are, although the box grows: the first round,
+        which nothing has moved, has the run's own layers, of two beads each."""
+        config = hook_3d()
+        config["layers"] = {"type": "multi_planar", "subparts": 2, "thickness": 0.25, "passes": 2,
+                            "angles": [[1.5, 0.0], [1.0, 0.3]], "angle_bounds": [0, 1.5708]}
+        config["constraints"], config["objective"] = [], config["objective"][:1]
+        run = self.simulate(config)
+        record = self.compensate(run, "--iterations", 2)
+        self.assertEqual(record["rounds"][0]["elements_differ"], 0)
+        own, first = read_result(run), self.field(run, "round_0", "layer")
+        room = np.subtract(first.shape, own["layer"].shape)
+        self.assertTrue(room.any())
+        self.assertEqual(*(len(np.unique(layer)) for layer in (first, own["layer"])))
+        moved = self.field(run, "round_0", "density") > 0
+        np.testing.assert_array_equal(first[moved], own["layer"][own["density"] > 0])
+        self.assertLess(record["rounds"][-1]["rms"], 0.5 * record["rounds"][0]["rms"])
+
     @staticmethod
     def field(run, folder, name):
         with h5py.File(run.path(f"compensated/{folder}/result.h5"), "r") as file:

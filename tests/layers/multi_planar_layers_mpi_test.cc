@@ -53,7 +53,8 @@ struct Case {
     const auto center =
         part().grid().element_center(part().grid().owned_elements().index(part().elements()[e]));
     double result = 0.0;
-    for (int a = 0; a < Dim; ++a) result += center[a] * direction(i)[a];
+    for (int a = 0; a < Dim; ++a)
+      result += (center[a] - (settings.origin.empty() ? 0.0 : settings.origin[a])) * direction(i)[a];
     return result;
   }
   double built_until(int i, double t) const {
@@ -75,8 +76,8 @@ template <class T>
 class MultiPlanarLayersTest : public testing::Test {};
 TYPED_TEST_SUITE(MultiPlanarLayersTest, test::Dimensions);
 
-TYPED_TEST(MultiPlanarLayersTest, FollowTheFormulas) {
-  const Case<TypeParam::value> c;
+template <int Dim>
+void expect_formulas(const Case<Dim>& c) {
   const LayerDensities densities = c.densities(c.layers());
   EXPECT_TRUE(densities.time_points.empty());
   const SubParts& sub_parts = densities.sub_parts;
@@ -105,6 +106,14 @@ TYPED_TEST(MultiPlanarLayersTest, FollowTheFormulas) {
     }
   }
   EXPECT_EQ(layer, densities.count());
+}
+
+TYPED_TEST(MultiPlanarLayersTest, FollowTheFormulas) {
+  Case<TypeParam::value> c;
+  expect_formulas(c);
+  c.settings.origin = std::vector<double>{-0.3, 0.7, 0.15};
+  c.settings.origin.resize(TypeParam::value);
+  expect_formulas(c);
 }
 
 /// Between their middles two sharp slabs hold all there is; in the end the part stands.

@@ -32,7 +32,7 @@ from fabseq_tools.geometry.surface_files import surface_of, write_surface
 from fabseq_tools.run.command_line import (RunError, count, number as number_type, parse, parser_of, positive, require_program,
                                            run_program, write_json, write_rows)
 from fabseq_tools.run.places import PROGRAM
-from fabseq_tools.run.read_run import read_fields
+from fabseq_tools.run.read_run import passes_of, read_fields
 
 COMMAND = "compensate"
 
@@ -138,7 +138,10 @@ def simulate(arguments, part, name, finer=1):
 def round_config(arguments, part, mesh, finer):
     """What is simulated: the run's own config without what is measured, with the moved mesh."""
     config = {key: part.config[key] for key in KEPT if key in part.config}
+    passes = passes_of(part.config)
     config["layers"] = {key: value for key, value in config["layers"].items() if key != "passes"}  # beads are not looked at
+    if "thickness" in config["layers"]:
+        config["layers"]["thickness"] *= passes
     config["domain"] = config["domain"] | {"elements": [finer * n for n in config["domain"]["elements"]]}
     given = part.config["part"].get("mesh", {})
     filled = arguments.fill if arguments.fill is not None else given.get("fill", 0.5)

@@ -9,6 +9,12 @@ def origin_of(config):
     return np.array(config["domain"].get("origin", [0.0] * len(config["domain"]["size"])))
 
 
+def origin_of_slabs(config):
+    """The point from which the heights of a config's multi-planar layers are measured."""
+    given = config["layers"].get("origin", "auto")
+    return origin_of(config) if given == "auto" else np.array(given)
+
+
 def element_edges(config):
     return [length / n for length, n in zip(config["domain"]["size"], config["domain"]["elements"])]
 

@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 from scipy.spatial import KDTree
 
-from fabseq_tools.geometry.grid import element_edges, nodes_of, origin_of, up_of
+from fabseq_tools.geometry.grid import element_edges, nodes_of, origin_of, origin_of_slabs, up_of
 from fabseq_tools.geometry.judged import Judged
 from fabseq_tools.geometry.nodal_time import layer_times, nodal_time, times_of_nodes
 from fabseq_tools.geometry.part_body import at_points, body_of, continued
@@ -97,7 +97,7 @@ class LayeredPart:
         slopes = node_slopes(time, element_edges(self.config)[::-1])
         slope = np.stack([times_of_nodes(component, density > 0) for component in slopes[::-1]], axis=-1)
         self.body, self.source = body_of(self.config, density, {"time": time, "slope": slope}, finer)
-        self.body.fields["place"] = self.body.points - origin_of(self.config)
+        self.body.fields["place"] = self.body.points - origin_of_slabs(self.config)
         edges = element_edges(self.config)
         self.node_axes = [low + edge * np.arange(n + 1)
                           for low, edge, n in zip(origin_of(self.config), edges, density.shape[::-1])]
@@ -184,7 +184,7 @@ class LayeredPart:
         if layer.direction is None:
             values = at_points(self.node_time, self.node_axes, points)
         else:
-            values = (points - origin_of(self.config)) @ layer.direction
+            values = (points - origin_of_slabs(self.config)) @ layer.direction
         return (values - layer.lower) / (layer.upper - layer.lower)
 
     def judged_beads(self, layer, points):

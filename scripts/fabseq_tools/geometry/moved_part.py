@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 from scipy.ndimage import distance_transform_edt
 
-from fabseq_tools.geometry.grid import element_edges, node_positions, nodes_of, origin_of
+from fabseq_tools.geometry.grid import element_edges, node_positions, nodes_of, origin_of, origin_of_slabs
 from fabseq_tools.geometry.part_body import at_points, body_of, continued, drawn_surface
 from fabseq_tools.geometry.surface_files import finer
 from fabseq_tools.geometry.vtk_data import poly_data
@@ -31,7 +31,7 @@ class MovedPart:
         run = Run(directory, simulations=True)
         self.config, self.fields, self.name, self.unit = run.config, run.fields, run.name, run.unit
         self.refuse(directory)
-        self.config["layers"] = self.config["layers"] | {"count": run.layer_count()}  # no constraint says what "auto" is later
+        self.settle_layers(run.layer_count())
         self.edges = np.array(element_edges(self.config))
         density = self.fields["density"]
         points, self.triangles, self.source = surface_of_part(self.config, density, self.edges.min())
@@ -52,9 +52,16 @@ class MovedPart:
         if isinstance(self.config["material"]["inherent_strain"], dict):
             raise RunError(f"{directory}: /material/inherent_strain turns with the layers, for which a pseudo-time that was "
                            "moved does not suffice; allowed: a list of numbers")
-        if self.config["layers"].get("type") == "multi_planar":
-            raise RunError(f"{directory}: /layers/type is multi_planar, and such layers do not move with the part; "
-                           "allowed: curved layers")
+
+    def settle_layers(self, count):
+        """Says of the layers what follows from the box, and from constraints, of which no round knows. Planes
+        of sub-parts stay where they are; the times between these move with the part, as others do."""
+        layers = self.config["layers"]
+        if layers.get("type") == "multi_planar":
+            own = {"origin": origin_of_slabs(self.config).tolist()}
+        else:
+            own = {"count": count}
+        self.config["layers"] = layers | own
 
     def node_shape(self):
         return np.add(self.fields["density"].shape, 1)
@@ -160,8 +167,8 @@ class MovedPart:
             file["time"] = self.time(places)
             if GRADIENT in self.fields:
                 file[GRADIENT] = self.gradient(places)
-            if "time_points" in self.fields:
-                file["time_points"] = self.fields["time_points"]
+            for name in set(self.fields) & {"time_points", "angles"}:
+                file[name] = self.fields[name]
 
     def corners(self):
         """The moved corners of the triangles."""

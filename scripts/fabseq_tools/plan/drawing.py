@@ -55,9 +55,9 @@ def judge(steps, row, folder, name):
     """The folder of a simulation of a round's layers with what the judged run of the drawing knows of
     machine, beads, heat and scenarios."""
     round_config, config = read_json(folder, f"{name}.json"), read_json(row["judged"], "config.json")
-    passes = {"passes": config["layers"]["passes"]} if config["layers"].get("passes", 1) > 1 else {}
+    of_beads = {key: config["layers"][key] for key in ("passes", "thickness") if key in config["layers"]}
     config = {key: value for key, value in config.items() if key not in NOT_MOVED} | {
-        key: round_config[key] for key in ("domain", "part", "sequence")} | {"layers": round_config["layers"] | passes}
+        key: round_config[key] for key in ("domain", "part", "sequence")} | {"layers": round_config["layers"] | of_beads}
     path, output = os.path.join(folder, f"{LAYERS}.json"), os.path.join(folder, LAYERS)
     write_json(path, config)
     sequence = os.path.join(folder, f"{name}.h5")
