@@ -18,6 +18,7 @@ OPTIONS = {  # words before, and values that are refused
     "paths run --bead-width": ("0", "-1", "nan", "inf", "1e999", "wide"), "paths run --outlines": ("-1", "0", "1.5", "101"),
     "paths run --at": ("-0.1", "1.1", "nan"), "paths run --hatch": ("nan", "inf"), "paths run --speed": ("0", "-1", "inf"),
     "paths run --nominal-height": ("0", "nan"), "import-paths a.csv config --at": ("2", "nan"),
+    "import-paths a.csv config --finer": ("0", "9", "1.5"),
     "layers run --finer": ("0", "9", "1.5"), "thickness run --points": ("0", "-5", "99999999"),
     "thickness run --target": ("0", "nan"), "thickness run --seed": ("-1",), "compensate run --factor": ("0", "nan", "3"),
     "compensate run --fill": ("0", "nan", "2"), "compensate run --tolerance": ("0", "inf"),

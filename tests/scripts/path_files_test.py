@@ -91,7 +91,6 @@ class PathFilesTest(unittest.TestCase):
         expected[:8], expected[8:] = 1, 2
         np.testing.assert_array_equal(fields["layer"], expected)
         self.assertIn(" -set domain.elements=[40,20,16] ", printed)
-        self.assertIn("--finer: found 0; allowed: 1 and more", self.imported(name, "--finer", "0").stderr)
         voxels = {**CONFIG, "part": {"voxels": {"file": "part.h5"}}}
         (self.folder / "config.json").write_text(json.dumps(voxels), encoding="utf-8")
         self.assertIn("allowed: 1 for a part in voxels", self.imported(name, "--finer", "2").stderr)

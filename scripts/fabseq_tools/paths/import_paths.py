@@ -53,7 +53,7 @@ from fabseq_tools.geometry.placement import FRAMES, MILLIMETRES, Placement
 from fabseq_tools.paths.path_files import read_paths
 from fabseq_tools.paths.path_sequence import sequence_fields
 from fabseq_tools.paths.waypoints import Beads, Waypoints
-from fabseq_tools.run.command_line import RunError, parser_of, share, warn
+from fabseq_tools.run.command_line import RunError, parser_of, share, warn, whole_number
 from fabseq_tools.run.read_run import Run, bead_thickness, read_config
 
 COMMAND = "import-paths"
@@ -71,7 +71,7 @@ def main(words):
     parser.add_argument("--output", help="HDF5 file (default: PATHS_sequence.h5)")
     parser.add_argument("--at", type=share, default=0.5, help="height of waypoints in the layer (default: %(default)s)")
     parser.add_argument("--frame", choices=FRAMES, help="whose coordinates (default: what paths.json says, or drawing)")
-    parser.add_argument("--finer", type=int, default=1, metavar="N", help="elements along each axis (default: %(default)s)")
+    parser.add_argument("--finer", type=whole_number(1, 8), default=1, metavar="N", help="elements along each axis (default: %(default)s)")
     arguments = parser.parse_args(words)
     path = arguments.config
     path = os.path.join(path, "config.json") if os.path.isdir(path) else path
@@ -114,8 +114,6 @@ def main(words):
 
 def finer_grid(config, finer):
     """Divides the config's elements; the option that does so in the program."""
-    if finer < 1:
-        raise RunError(f"--finer: found {finer}; allowed: 1 and more")
     if finer > 1 and "voxels" in config["part"]:
         raise RunError(f"--finer: found {finer}; allowed: 1 for a part in voxels, whose file has as many as the grid")
     if finer == 1:
