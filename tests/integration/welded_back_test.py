@@ -86,7 +86,8 @@ class WeldedBackTest(FabseqTest):
         ours, theirs = (one["checks"] for one in (found, expected))
         self.assertEqual(ours["hanging"]["elements"], theirs["hanging"]["elements"])
         if theirs["local_thickness"]:  # else slabs
-            self.assertAlmostEqual(ours["local_thickness"]["share_outside"], theirs["local_thickness"]["share_outside"], delta=0.01)
+            ours, theirs = (one["local_thickness"]["share_outside"] for one in (ours, theirs))
+            self.assertAlmostEqual(ours, theirs, delta=0.01)
         for state in ("as_built", "released"):
             ours, theirs = (one["finished"][state]["skin"]["rms"] for one in (found, expected))
             self.assertAlmostEqual(ours / theirs, 1.0, delta=0.01, msg=state)

@@ -30,8 +30,8 @@ Slicing slicing_of(MPI_Comm comm, const std::string& name);
 ///   - projection.beta, unless the command line gives it: the sharpness relative to a layer that FILE states,
 ///     so that the same number of layers gives the same layers;
 ///   - layers.target: the target thickness of the config, relative to a layer that FILE states likewise;
-///   - terms that need the gradient of the pseudo-time, which a file has for checks only, and those for layers
-///     of another kind are left out, each with a warning.
+///   - terms that need the gradient of the pseudo-time, which a file has for checks only, and those for
+///     layers of another kind are left out, each with a warning.
 ///
 /// Not collective. Throws InputError for layers.passes that do not divide the real layers of FILE.
 void reslice(const CommandLine& command_line, const Slicing& of_file, Config& config);

@@ -23,8 +23,8 @@ struct MultiPlanarSettings {
   int subparts = 1;                ///< N_P
   std::vector<double> timestamps;  ///< tau_1 ... tau_{N_P - 1}, ascending
   double thickness = 3.0;          ///< of a real layer, length unit
-  std::vector<double> origin;      ///< of the heights that slabs are counted by; empty: the box's lower corner
-  int passes = 1;                  ///< LayerSettings::passes, once complete
+  std::vector<double> origin;  ///< of the heights that slabs are counted by; empty: the box's lower corner
+  int passes = 1;              ///< LayerSettings::passes, once complete
   /// Start angles and their bounds: [sub-part][angle], radians; 2D one angle, 3D elevation and azimuth.
   std::vector<double> angles, lowest_angles, highest_angles;
   double time_sharpness = 100.0;                  ///< k1

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Makes a sequence of torch paths, which fabseq simulates and checks like its own.
 
-    fabseq-tools import-paths PATHS CONFIG [--output SEQUENCE.h5] [--at SHARE] [--frame drawing|plate] [--finer N]
+    fabseq-tools import-paths PATHS CONFIG [--output SEQUENCE.h5] [--at SHARE] [--frame drawing|plate]
+                              [--finer N]
 
 PATHS is a table (CSV) with a line per waypoint, or any file of `fabseq-tools paths`, also those for COMPAS
 and IRBCAM (whose table has layers only with the JSON file beside it). The first line of a table names the
@@ -71,7 +72,8 @@ def main(words):
     parser.add_argument("--output", help="HDF5 file (default: PATHS_sequence.h5)")
     parser.add_argument("--at", type=share, default=0.5, help="height of waypoints in the layer (default: %(default)s)")
     parser.add_argument("--frame", choices=FRAMES, help="whose coordinates (default: what paths.json says, or drawing)")
-    parser.add_argument("--finer", type=whole_number(1, 8), default=1, metavar="N", help="elements along each axis (default: %(default)s)")
+    parser.add_argument("--finer", type=whole_number(1, 8), default=1, metavar="N",
+                        help="elements along each axis (default: %(default)s)")
     arguments = parser.parse_args(words)
     path = arguments.config
     path = os.path.join(path, "config.json") if os.path.isdir(path) else path
@@ -109,7 +111,8 @@ def main(words):
     count = int(layer.max()) if layer is not None else None
     layers = f" -set {shlex.quote(f'layers={layers_of_paths(config, count)}')}" if count else layers_of_config(config, path)
     print(f"{output}: {f'{count} layers' if count else 'an order without layers'}; simulate it with")
-    print(f"fabseq -config {shlex.quote(path)} -task simulate -sequence {shlex.quote(output)}{finer}{layers} -binary -output OUTPUT")
+    print(f"fabseq -config {shlex.quote(path)} -task simulate -sequence {shlex.quote(output)}{finer}{layers} -binary "
+          "-output OUTPUT")
 
 
 def finer_grid(config, finer):
