@@ -14,6 +14,7 @@ import numpy as np
 
 from fabseq_tools.paths.deposited import is_off
 from fabseq_tools.paths.hermite import interpolate
+from fabseq_tools.paths.path_sequence import bounded
 
 PROJECT = Path(__file__).resolve().parents[2]
 TOOLS = PROJECT / "scripts/fabseq-tools"
@@ -200,6 +201,13 @@ class HermiteTest(unittest.TestCase):
         twice = np.concatenate([points, points[:, :5]], axis=1)  # points that coincide
         again, _ = interpolate(places, twice, value(twice), slope(twice), np.ones((40, 25), bool))
         np.testing.assert_allclose(again, value(places), atol=0.02)
+
+    def test_slopes_stay_near_those_around(self):
+        """By half of what the heard ones differ by."""
+        slopes = np.array([[[0.0, 0.0, 1.0], [0.2, 0.0, 1.0], [9.0, 9.0, 9.0]]])
+        heard = np.array([[True, True, False]])
+        for found, expected in (([1.0, 1.0, 1.0], [0.3, 0.0, 1.0]), ([-0.05, 0.0, 2.0], [-0.05, 0.0, 1.0])):
+            np.testing.assert_allclose(bounded(np.array([found]), slopes, heard), [expected], rtol=1e-14)
 
 
 if __name__ == "__main__":

@@ -13,6 +13,7 @@ FEWEST = 5         # of them
 FARTHEST = 2       # layers from that of the element's first guess, beyond which a waypoint is not heard
 AGREE = 1.0        # of a layer: what one may differ by from that guess, to be heard
 REACH = 2.0        # spacings: beyond it, an element is in no bead
+BEYOND = 0.5       # of the waypoints' range: an element's slope may lie so far outside it
 WITHIN = 0.02      # of a layer: so far an element's time stays from the ends of its layer
 STEP = 0.5         # between waypoints, in elements or spacings
 
@@ -77,11 +78,12 @@ def exact_fields(waypoints, centres):
     chosen = np.flatnonzero((agree.sum(axis=1) >= FEWEST) & (away.reshape(len(centres), -1)[:, 0] < reach))
     if len(chosen):
         nodes = around[chosen]
-        result = interpolate(centres[chosen], waypoints.points[nodes], layers[chosen] - 1 + waypoints.levels[nodes],
-                             waypoints.axes[nodes] / waypoints.heights[nodes][..., None], agree[chosen])
+        slopes = waypoints.axes[nodes] / waypoints.heights[nodes][..., None]
+        result = interpolate(centres[chosen], waypoints.points[nodes], layers[chosen] - 1 + waypoints.levels[nodes], slopes,
+                             agree[chosen])
         good = np.abs(result[0] - start[chosen]) < AGREE
         height, slope = height.copy(), slope.copy()
-        height[chosen[good]], slope[chosen[good]] = result[0][good], result[1][good]
+        height[chosen[good]], slope[chosen[good]] = result[0][good], bounded(result[1], slopes, agree[chosen])[good]
     layer = np.clip(np.ceil(height), 1, count).astype(int)
     time = (layer - 1 + np.clip(height - (layer - 1), WITHIN, 1.0 - WITHIN)) / count
     length = np.linalg.norm(slope, axis=1)
@@ -89,6 +91,15 @@ def exact_fields(waypoints, centres):
     thickness = np.clip(1.0 / np.maximum(length, 1e-300), waypoints.heights.min(), waypoints.heights.max())
     return {"time": time, "layer": layer, "build_direction": direction, "local_thickness": thickness,
             "time_gradient": direction / (count * thickness)[:, None]}
+
+
+def bounded(slope, slopes, counts):
+    """Slopes (n, 3) beyond those of the waypoints around (n, k, 3), where `counts` (n, k) says that they are
+    heard, by no more than a share of what these differ by: where layers meet, interpolation overshoots."""
+    heard = counts[..., None]
+    low, high = np.where(heard, slopes, np.inf).min(axis=1), np.where(heard, slopes, -np.inf).max(axis=1)
+    room = BEYOND * (high - low)
+    return np.clip(slope, low - room, high + room)
 
 
 def nearest_bead(waypoints, centres, around):
