@@ -43,9 +43,9 @@ void check_multi_planar(const MultiPlanarSettings& layers, const Json& config, i
     refuse("/layers/timestamps", shown(times),
            "\"auto\" or " + std::to_string(layers.subparts - 1) +
                " ascending numbers in (0, 1), one less than subparts");
-  if (!layers.origin.empty() && layers.origin.size() != static_cast<std::size_t>(dimension))
-    refuse("/layers/origin", shown(keys.at("origin")),
-           "\"auto\" or " + std::to_string(dimension) + " numbers");
+  const Json& origin = keys.at("origin");
+  if (origin.is_array() && origin.size() != static_cast<std::size_t>(dimension))
+    refuse("/layers/origin", shown(origin), "\"auto\" or " + std::to_string(dimension) + " numbers");
   check_angles(layers, keys, dimension);
   if (layers.fixed_angles && layers.fixed_time)
     refuse("/layers/fixed", shown(keys.at("fixed")), "[], [\"angles\"] or [\"time\"]");

@@ -258,6 +258,8 @@ TEST(ConfigRulesTest, MultiPlanarLayers) {
   EXPECT_EQ(multi_planar_error(solid, two + R"(, "origin": [-1, 0, 2.5])"), "no error");
   EXPECT_EQ(multi_planar_error(plane, two + R"(, "origin": [0, 0, 0])"),
             "/layers/origin: found [0,0,0]; allowed: \"auto\" or 2 numbers");
+  EXPECT_EQ(multi_planar_error(solid, two + R"(, "origin": [])"),
+            "/layers/origin: found []; allowed: \"auto\" or 3 numbers");
   EXPECT_EQ(multi_planar_error(solid, two + R"(, "angles": [[0.3], [1.2]])"),
             "/layers/angles/0: found [0.3]; allowed: a list of 2 numbers");
   EXPECT_EQ(multi_planar_error(plane, two + R"(, "angles": [[0.3]])"),
