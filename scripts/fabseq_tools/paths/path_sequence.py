@@ -13,7 +13,8 @@ FEWEST = 5         # of them
 FARTHEST = 2       # layers from that of the element's first guess, beyond which a waypoint is not heard
 AGREE = 1.0        # of a layer: what one may differ by from that guess, to be heard
 REACH = 2.0        # spacings: beyond it, an element is in no bead
-BEYOND = 0.5       # of the waypoints' range: an element's slope may lie so far outside it
+BEYOND = 0.5       # of the waypoints' range: so far outside it an element's slope may lie where layers meet
+PLANE = 1e-5       # relative: waypoints whose slopes differ by less lie in parallel planes
 WITHIN = 0.02      # of a layer: so far an element's time stays from the ends of its layer
 STEP = 0.5         # between waypoints, in elements or spacings
 
@@ -76,14 +77,17 @@ def exact_fields(waypoints, centres):
     height, slope = start, waypoints.axes[near] / waypoints.heights[near][:, None]
     reach = REACH * np.median(waypoints.spacings if waypoints.spacings is not None else waypoints.heights)
     chosen = np.flatnonzero((agree.sum(axis=1) >= FEWEST) & (away.reshape(len(centres), -1)[:, 0] < reach))
+    slopes = waypoints.axes[around[chosen]] / waypoints.heights[around[chosen]][..., None]
+    low, high = ends(slopes, agree[chosen])
+    varied = (high - low).max(axis=1) > PLANE * np.abs(high).max(axis=1)
+    chosen, slopes, low, high = (values[varied] for values in (chosen, slopes, low, high))
     if len(chosen):
         nodes = around[chosen]
-        slopes = waypoints.axes[nodes] / waypoints.heights[nodes][..., None]
         result = interpolate(centres[chosen], waypoints.points[nodes], layers[chosen] - 1 + waypoints.levels[nodes], slopes,
                              agree[chosen])
-        good = np.abs(result[0] - start[chosen]) < AGREE
+        good, room = np.abs(result[0] - start[chosen]) < AGREE, BEYOND * (high - low)
         height, slope = height.copy(), slope.copy()
-        height[chosen[good]], slope[chosen[good]] = result[0][good], bounded(result[1], slopes, agree[chosen])[good]
+        height[chosen[good]], slope[chosen[good]] = result[0][good], np.clip(result[1], low - room, high + room)[good]
     layer = np.clip(np.ceil(height), 1, count).astype(int)
     time = (layer - 1 + np.clip(height - (layer - 1), WITHIN, 1.0 - WITHIN)) / count
     length = np.linalg.norm(slope, axis=1)
@@ -93,13 +97,11 @@ def exact_fields(waypoints, centres):
             "time_gradient": direction / (count * thickness)[:, None]}
 
 
-def bounded(slope, slopes, counts):
-    """Slopes (n, 3) beyond those of the waypoints around (n, k, 3), where `counts` (n, k) says that they are
-    heard, by no more than a share of what these differ by: where layers meet, interpolation overshoots."""
+def ends(values, counts):
+    """The least and the largest (n, 3) of values (n, k, 3) of the waypoints around, of those that `counts`
+    (n, k)."""
     heard = counts[..., None]
-    low, high = np.where(heard, slopes, np.inf).min(axis=1), np.where(heard, slopes, -np.inf).max(axis=1)
-    room = BEYOND * (high - low)
-    return np.clip(slope, low - room, high + room)
+    return np.where(heard, values, np.inf).min(axis=1), np.where(heard, values, -np.inf).max(axis=1)
 
 
 def nearest_bead(waypoints, centres, around):
