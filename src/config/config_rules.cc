@@ -115,9 +115,7 @@ void check_region(const Config& config) {
 
 void check_needs(const Config& config, const ResponseType& type, const std::string& pointer) {
   if (!config.has_layers_of(type))
-    refuse(pointer,
-           shown(type.name) + " with layers of type \"" +
-               (config.layers.multi_planar ? "multi_planar" : "curved") + "\"",
+    refuse(pointer, shown(type.name) + " with layers of type " + given(config, "layers", "type"),
            "this type with layers of type " + name_of(type.layers));
   if (config.needs_time_gradient(type) && !config.has_time_gradient())
     refuse(pointer, shown(type.name) + without_gradient(config),
