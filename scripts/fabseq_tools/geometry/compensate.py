@@ -25,6 +25,7 @@ import os
 
 import numpy as np
 
+from fabseq_tools.geometry.grid import refined
 from fabseq_tools.geometry.moved_part import MovedPart
 from fabseq_tools.geometry.placement import Placement
 from fabseq_tools.geometry.rigid_motions import rigid_motions
@@ -32,7 +33,7 @@ from fabseq_tools.geometry.surface_files import surface_of, write_surface
 from fabseq_tools.run.command_line import (RunError, count, number as number_type, parse, parser_of, positive, require_program,
                                            run_program, write_json, write_rows)
 from fabseq_tools.run.places import PROGRAM
-from fabseq_tools.run.read_run import passes_of, read_fields
+from fabseq_tools.run.read_run import read_fields, slab_thickness
 
 COMMAND = "compensate"
 
@@ -138,11 +139,10 @@ def simulate(arguments, part, name, finer=1):
 def round_config(arguments, part, mesh, finer):
     """What is simulated: the run's own config without what is measured, with the moved mesh."""
     config = {key: part.config[key] for key in KEPT if key in part.config}
-    passes = passes_of(part.config)
     config["layers"] = {key: value for key, value in config["layers"].items() if key != "passes"}  # beads are not looked at
     if "thickness" in config["layers"]:
-        config["layers"]["thickness"] *= passes
-    config["domain"] = config["domain"] | {"elements": [finer * n for n in config["domain"]["elements"]]}
+        config["layers"]["thickness"] = slab_thickness(part.config)
+    config["domain"] = refined(config["domain"], finer)
     given = part.config["part"].get("mesh", {})
     filled = arguments.fill if arguments.fill is not None else given.get("fill", 0.5)
     own = {key: value for key, value in part.config["part"].items() if key in ("keep", "sampling")}

@@ -15,6 +15,11 @@ def origin_of_slabs(config):
     return origin_of(config) if given == "auto" else np.array(given)
 
 
+def refined(domain, finer):
+    """A section `domain` with so many times as many elements along each axis."""
+    return domain | {"elements": [finer * count for count in domain["elements"]]}
+
+
 def element_edges(config):
     return [length / n for length, n in zip(config["domain"]["size"], config["domain"]["elements"])]
 

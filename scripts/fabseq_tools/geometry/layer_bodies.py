@@ -18,7 +18,7 @@ from fabseq_tools.geometry.slivers import join_slivers, join_thin_ends
 from fabseq_tools.geometry.tetrahedra import Tetrahedra
 from fabseq_tools.run.command_line import RunError
 from fabseq_tools.run.progress import SILENT
-from fabseq_tools.run.read_run import Run, check_grid, passes_of
+from fabseq_tools.run.read_run import Run, check_grid, passes_of, slab_thickness
 
 GROUPS = {"optimized": "", "planar": "planar/", "start": "start/"}
 BLOCKS = {"optimized": ("optimized", "simulated"), "planar": ("baseline",), "start": ("start",)}
@@ -112,7 +112,7 @@ class LayeredPart:
         elevation, azimuth = np.moveaxis(file["angles"][()], -1, 0)
         across = np.cos(elevation)
         directions = np.stack([across * np.cos(azimuth), across * np.sin(azimuth), np.sin(elevation)], axis=1)
-        width = passes_of(self.config) * self.config["layers"]["thickness"]
+        width = slab_thickness(self.config)
         return [Layer(number, (row["slab"] - 1) * width, row["slab"] * width, directions[row["subpart"] - 1], row["subpart"])
                 for number, row in enumerate(table, start=1)]
 
@@ -188,8 +188,8 @@ class LayeredPart:
         return (values - layer.lower) / (layer.upper - layer.lower)
 
     def judged_beads(self, layer, points):
-        """Axes and heights of beads of a layer at points: those of its planes, or as the check has judged the
-        elements around; None where it has not."""
+        """Axes and heights of beads of a layer at points. Planar layers have those of their planes, others
+        those that the check has found in the elements around; None without a check."""
         if layer.direction is not None:
             return np.tile(layer.direction, (len(points), 1)), np.full(len(points), layer.upper - layer.lower)
         if self.judged.range(layer.number) is None:

@@ -45,7 +45,7 @@ from fabseq_tools.plot.virtual_display import ensure_display
 from fabseq_tools.run.command_line import RunError, count, parse, parser_of, require_program, run_program, write_json
 from fabseq_tools.run.machine import HELP, OPTION, config_with_machine, settings_for
 from fabseq_tools.run.places import PROGRAM
-from fabseq_tools.run.read_run import passes_entry, passes_of, read_config, read_fields, read_json, target_thickness
+from fabseq_tools.run.read_run import passes_entry, read_config, read_fields, read_json, slab_thickness, target_thickness
 from fabseq_tools.run.verdict_words import class_of, in_short, verdict_of
 
 COMMAND = "orient"
@@ -137,7 +137,7 @@ class AsGiven:
         """Of a layer: the config's, or else its mean."""
         layers = self.config["layers"]
         if layers.get("type") == "multi_planar":
-            return passes_of(self.config) * layers.get("thickness", 3.0)
+            return slab_thickness(self.config)
         target = target_thickness(self.config)
         if target is not None:
             return target

@@ -49,7 +49,7 @@ import h5py
 import numpy as np
 from scipy.spatial import KDTree
 
-from fabseq_tools.geometry.grid import element_centres, element_edges, origin_of, up_of
+from fabseq_tools.geometry.grid import element_centres, element_edges, origin_of, refined, up_of
 from fabseq_tools.geometry.placement import FRAMES, MILLIMETRES, Placement
 from fabseq_tools.paths.path_files import read_paths
 from fabseq_tools.paths.path_sequence import sequence_fields
@@ -116,14 +116,13 @@ def main(words):
 
 
 def finer_grid(config, finer):
-    """Divides the config's elements; the option that does so in the program."""
-    if finer > 1 and "voxels" in config["part"]:
-        raise RunError(f"--finer: found {finer}; allowed: 1 for a part in voxels, whose file has as many as the grid")
+    """Divides the config's elements. Returns the option that does so in the program."""
     if finer == 1:
         return ""
-    domain = config["domain"]
-    domain["elements"] = [finer * count for count in domain["elements"]]
-    return f" -set domain.elements={json.dumps(domain['elements'], separators=(',', ':'))}"
+    if "voxels" in config["part"]:
+        raise RunError(f"--finer: found {finer}; allowed: 1 for a part in voxels, since their file fits one grid only")
+    config["domain"] = refined(config["domain"], finer)
+    return f" -set domain.elements={json.dumps(config['domain']['elements'], separators=(',', ':'))}"
 
 
 def misfits(points, config, result):

@@ -46,19 +46,22 @@ def nearest_fields(waypoints, centres):
     return {"time": (layer - 1 + level) / count, "layer": layer}
 
 
+def usual_spacing(waypoints):
+    return np.median(waypoints.spacings if waypoints.spacings is not None else waypoints.heights)
+
+
 class Predictions:
     """What the `chosen` waypoints (n) or (n, k) say of elements. `levels`: how high these lie in the
     waypoint's layer, 0 at its lower side and 1 at its upper; `distances`: from the middle of its bead, in
-    half heights and spacings."""
+    half heights and half spacings."""
 
     def __init__(self, waypoints, centres, chosen):
         away = centres.reshape(-1, *[1] * (chosen.ndim - 1), 3) - waypoints.points[chosen]
         above = np.einsum("...i,...i->...", away, waypoints.axes[chosen])
         heights = np.maximum(waypoints.heights[chosen], 1e-300)
         aside = np.sqrt(np.maximum((away**2).sum(axis=-1) - above**2, 0.0))
-        spacing = np.median(waypoints.spacings if waypoints.spacings is not None else waypoints.heights)
         self.levels = waypoints.levels[chosen] + above / heights
-        self.distances = np.hypot(2.0 * self.levels - 1.0, 2.0 * aside / spacing)
+        self.distances = np.hypot(2.0 * self.levels - 1.0, 2.0 * aside / usual_spacing(waypoints))
 
 
 def exact_fields(waypoints, centres):
@@ -74,19 +77,18 @@ def exact_fields(waypoints, centres):
     layers = waypoints.layers[around]
     heights = layers - 1 + found.levels  # in layers
     agree = (np.abs(layers - waypoints.layers[near][:, None]) <= FARTHEST) & (np.abs(heights - start[:, None]) < AGREE)
-    height, slope = start, waypoints.axes[near] / waypoints.heights[near][:, None]
-    reach = REACH * np.median(waypoints.spacings if waypoints.spacings is not None else waypoints.heights)
-    chosen = np.flatnonzero((agree.sum(axis=1) >= FEWEST) & (away.reshape(len(centres), -1)[:, 0] < reach))
-    slopes = waypoints.axes[around[chosen]] / waypoints.heights[around[chosen]][..., None]
-    low, high = ends(slopes, agree[chosen])
+    slopes = waypoints.axes / waypoints.heights[:, None]
+    height, slope = start.copy(), slopes[near]
+    in_bead = away.reshape(len(centres), -1)[:, 0] < REACH * usual_spacing(waypoints)
+    chosen = np.flatnonzero((agree.sum(axis=1) >= FEWEST) & in_bead)
+    low, high = ends(slopes[around[chosen]], agree[chosen])
     varied = (high - low).max(axis=1) > PLANE * np.abs(high).max(axis=1)
-    chosen, slopes, low, high = (values[varied] for values in (chosen, slopes, low, high))
+    chosen, low, high = chosen[varied], low[varied], high[varied]
     if len(chosen):
-        nodes = around[chosen]
-        result = interpolate(centres[chosen], waypoints.points[nodes], layers[chosen] - 1 + waypoints.levels[nodes], slopes,
-                             agree[chosen])
-        good, room = np.abs(result[0] - start[chosen]) < AGREE, BEYOND * (high - low)
-        height, slope = height.copy(), slope.copy()
+        nodes, room = around[chosen], BEYOND * (high - low)
+        result = interpolate(centres[chosen], waypoints.points[nodes], layers[chosen] - 1 + waypoints.levels[nodes],
+                             slopes[nodes], agree[chosen])
+        good = np.abs(result[0] - start[chosen]) < AGREE
         height[chosen[good]], slope[chosen[good]] = result[0][good], np.clip(result[1], low - room, high + room)[good]
     layer = np.clip(np.ceil(height), 1, count).astype(int)
     time = (layer - 1 + np.clip(height - (layer - 1), WITHIN, 1.0 - WITHIN)) / count
@@ -98,15 +100,15 @@ def exact_fields(waypoints, centres):
 
 
 def ends(values, counts):
-    """The least and the largest (n, 3) of values (n, k, 3) of the waypoints around, of those that `counts`
-    (n, k)."""
+    """The least and the largest, (n, 3) each, of the values (n, k, 3) of waypoints around; `counts` (n, k):
+    which of them are heard."""
     heard = counts[..., None]
     return np.where(heard, values, np.inf).min(axis=1), np.where(heard, values, -np.inf).max(axis=1)
 
 
 def nearest_bead(waypoints, centres, around):
-    """The waypoint whose bead an element is nearest to, among those next to it in the layers near those of
-    the waypoints `around` it (n, k)."""
+    """The waypoint whose bead an element is nearest to. `around` (n, k): layers of the waypoints around it.
+    In each layer near one of these the waypoint next to the element is compared."""
     best, result = np.full(len(centres), np.inf), np.zeros(len(centres), int)
     for number in range(1, waypoints.layers.max() + 1):
         near = np.flatnonzero((np.abs(around - number) <= OTHER_LAYERS).any(axis=1))

@@ -56,8 +56,9 @@ def judge(steps, row, folder, name):
     machine, beads, heat and scenarios."""
     round_config, config = read_json(folder, f"{name}.json"), read_json(row["judged"], "config.json")
     of_beads = {key: config["layers"][key] for key in ("passes", "thickness") if key in config["layers"]}
-    config = {key: value for key, value in config.items() if key not in NOT_MOVED} | {
-        key: round_config[key] for key in ("domain", "part", "sequence")} | {"layers": round_config["layers"] | of_beads}
+    config = {key: value for key, value in config.items() if key not in NOT_MOVED}
+    config |= {key: round_config[key] for key in ("domain", "part", "sequence")}
+    config["layers"] = round_config["layers"] | of_beads
     path, output = os.path.join(folder, f"{LAYERS}.json"), os.path.join(folder, LAYERS)
     write_json(path, config)
     sequence = os.path.join(folder, f"{name}.h5")

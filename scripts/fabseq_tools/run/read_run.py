@@ -115,6 +115,11 @@ def target_thickness(config):
     return None if bead is None else passes_of(config) * bead
 
 
+def slab_thickness(config):
+    """How thick simulated multi-planar layers are."""
+    return passes_of(config) * config["layers"].get("thickness", 3.0)
+
+
 def bead_thickness(config):
     """How thick real layers shall be, by layers.target or else a layer_thickness constraint, or None."""
     given = config.get("layers", {}).get("target")
