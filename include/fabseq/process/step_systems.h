@@ -103,8 +103,8 @@ class StepSystems {
   /// on the grid's communicator.
   std::vector<SolveReport> solve_current(std::size_t block, const LaneVector& load, LaneVector& solution,
                                          const char* what);
-  /// A vector for who takes the solutions, any size and values: like those of the solves it keeps its memory
-  /// from block to block and from solve to solve. Local.
+  /// Returns a vector of any size and values, in which callers may spread solutions. It keeps its memory from
+  /// solve to solve, until the solver gives its own back. Local.
   LaneVector& scratch();
   /// Gives back the solver's memory if it is to save it, until the next set_operators(). Not collective.
   void save_memory();
