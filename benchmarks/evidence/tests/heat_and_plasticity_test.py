@@ -30,8 +30,9 @@ def column():
     layer = np.array([[[0, 0]], [[1, 0]], [[2, 0]]])
     solid = (layer > 0) | (np.arange(3)[:, None, None] == 0)
     positions = node_positions(SIZE, COUNTS)
-    model = SimpleNamespace(positions=positions, config={}, supports=np.flatnonzero(positions[:, 2] == 0), solid=solid,
-                            layer=layer, size=SIZE, counts=COUNTS)
+    model = SimpleNamespace(positions=positions, solid=solid, layer=layer, size=SIZE, counts=COUNTS,
+                            config={"domain": {"size": SIZE, "unit": "mm", "elements": COUNTS}},
+                            supports=np.flatnonzero(positions[:, 2] == 0))
     with mock.patch("heat_and_plasticity.bricks.LayerModel", return_value=model):
         return Bricks("")
 
@@ -109,12 +110,12 @@ class HeatAndPlasticityTest(unittest.TestCase):
             settings = finer_settings(bricks, path)
             with h5py.File(path) as file:
                 time, density = file["time"][()], file["density"][()]
-        self.assertEqual(settings["domain.elements"], [4, 2, 6])
+        self.assertEqual(settings["domain"], {"size": SIZE, "unit": "mm", "elements": [4, 2, 6]})
         self.assertEqual(time.shape, (6, 2, 4))
         np.testing.assert_array_equal(np.ceil(2 * time[2:, :, :2]), np.repeat([1, 2], 8).reshape(4, 2, 2))
         self.assertEqual(density.sum(), 16)
         self.assertEqual(density[2:, :, :2].sum(), 16)
-        fine = node_positions(SIZE, settings["domain.elements"])
+        fine = node_positions(SIZE, settings["domain"]["elements"])
         np.testing.assert_allclose(at_coarse_nodes(fine, bricks.grid.shape), bricks.positions)
 
     def test_errors_and_factors(self):

@@ -16,7 +16,9 @@ def finer_settings(bricks, path):
         file["density"] = (layer > 0).astype(float)
         file["time"] = (np.maximum(layer, 1) - 0.5) / bricks.layers  # void and substrate have no time
     path = os.path.abspath(path)
-    return {"domain.elements": [2 * count for count in bricks.grid.shape[::-1]], "part": {"voxels": {"file": path}},
+    domain = {key: value for key, value in bricks.config["domain"].items() if key in ("size", "origin", "unit")}
+    return {"domain": domain | {"elements": [2 * count for count in bricks.grid.shape[::-1]]},
+            "part": {"voxels": {"file": path}},
             "layers": {"type": "curved", "count": bricks.layers},
             "sequence": {"type": "file", "file": path, "dataset": "time"}}
 
