@@ -61,7 +61,8 @@ class LaneCg {
   /// same again, for further right-hand sides of these systems.
   void set_up_from_half(int count);
   /// Solves K u = f in the first `lanes` lanes; the others of `load` are ignored. Vectors as LaneOperator's,
-  /// `load` is overwritten. Throws Stopped, on all ranks in the same iteration, if one was asked to stop.
+  /// `load` is overwritten. With LaneStop::one_cycle, and without islands, u = M f. Throws Stopped, on all
+  /// ranks in the same iteration, if one was asked to stop.
   std::vector<LaneOutcome> solve(LaneArray& load, LaneArray& solution, int lanes, const LaneStop& stop);
   /// The same from a multiple of a first guess, which `solution` holds; 0 in a lane: none. `smallest`: what
   /// is known of the smallest eigenvalues of M K, at most 1: a few steps tell little of them.
@@ -79,6 +80,8 @@ class LaneCg {
   static void multiply(LaneArray& vector, const Scalars& factors);
   std::vector<LaneOutcome> solve_from(Progress& progress, LaneArray& load, LaneArray& solution, int lanes,
                                       const LaneStop& stop);
+  std::vector<LaneOutcome> cycle_once(LaneArray& load, LaneArray& solution, int lanes);
+  Scalars scales_of(LaneArray& load) const;
   Scalars start(Progress& progress, LaneArray& load, LaneArray& solution, int lanes);
   void take_guess(LaneArray& guess, LaneArray& residual);
   Scalars set_image(const LaneArray& vector);
@@ -91,6 +94,7 @@ class LaneCg {
   void balance(LaneArray& residual);
   /// Whether free_motions_ can be given.
   static constexpr bool may_be_free = Problem::own_operators && Width == 1;
+  bool positive(int lane) const { return positive_[Problem::own_operators ? lane : 0]; }
   bool narrow(Progress& progress, LaneArray& residual, LaneArray& solution, const LaneStop& stop);
 
   LaneHierarchy<Problem::dim>& hierarchy_;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "cg/lane_cg.h"
+#include "cg/lane_cg_cycle_impl.h"
 #include "cg/lane_cg_half_impl.h"
 #include "fabseq/base/mpi.h"
 #include "fabseq/base/stop.h"
@@ -58,6 +59,8 @@ void LaneCg<Problem, Width>::set_up(Islands& islands) {
 template <class Problem, int Width>
 std::vector<LaneOutcome> LaneCg<Problem, Width>::solve(LaneArray& load, LaneArray& solution, int lanes,
                                                        const LaneStop& stop) {
+  if (stop.one_cycle && islands_.empty() && free_motions_ == nullptr)
+    return cycle_once(load, solution, lanes);
   solution.assign(load.size(), 0.0);
   Progress progress;
   return solve_from(progress, load, solution, lanes, stop);
@@ -92,12 +95,10 @@ void LaneCg<Problem, Width>::multiply(LaneArray& vector, const Scalars& factors)
     (Lanes<Width>::load(&vector[i]) * all).store(&vector[i]);
 }
 
-/// Scales the load of each lane to about 1, by a power of two, so that single precision holds its residual
-/// down to any tolerance, takes off what a guess makes of it, and solves for rigid motions of islands.
-/// Returns the scales.
+/// Clears the load at held nodes. Returns a power of two for each lane that scales it to about 1, so that
+/// single precision holds its residual down to any tolerance.
 template <class Problem, int Width>
-LaneScalars<Width> LaneCg<Problem, Width>::start(Progress& progress, LaneArray& load, LaneArray& solution,
-                                                 int lanes) {
+LaneScalars<Width> LaneCg<Problem, Width>::scales_of(LaneArray& load) const {
   matrix_->clear_held(load.data());
   Scalars squares = matrix_->dot(load.data(), load.data());
   sum_in_place(matrix_->level().comm, squares);
@@ -105,8 +106,18 @@ LaneScalars<Width> LaneCg<Problem, Width>::start(Progress& progress, LaneArray& 
   for (int lane = 0; lane < Width; ++lane) {
     const double size = std::sqrt(squares[lane]);
     scales[lane] = std::isnormal(size) ? std::exp2(-std::ilogb(size)) : 1.0;
-    if (lane >= lanes) continue;
-    progress.active[lane] = Problem::own_operators ? positive_[lane] : positive_[0];
+  }
+  return scales;
+}
+
+/// Scales the load of each lane, takes off what a guess makes of it, and solves for rigid motions of islands.
+/// Returns the scales.
+template <class Problem, int Width>
+LaneScalars<Width> LaneCg<Problem, Width>::start(Progress& progress, LaneArray& load, LaneArray& solution,
+                                                 int lanes) {
+  const Scalars scales = scales_of(load);
+  for (int lane = 0; lane < lanes; ++lane) {
+    progress.active[lane] = positive(lane);
     progress.outcome[lane].residual = 1.0;
     if constexpr (Problem::own_operators) progress.outcome[lane].has_islands = islands_.count(lane) > 0;
   }

@@ -14,6 +14,7 @@ struct LaneStop {
   double error_factor = 2.0;
   double reach = 1.0;
   double of_islands = 0.0;  ///< tolerance of lanes with islands; 0: the same
+  bool one_cycle = false;   ///< if no lane has islands: one cycle of the multigrid, whatever it leaves
 
   double tolerance_of(bool has_islands) const {
     return has_islands && of_islands > 0.0 ? of_islands : tolerance;

@@ -14,11 +14,12 @@ void resize(LaneVector& vector, int nodes, int components, int lanes) {
   vector.values.resize(size);
 }
 
-void pick(const LaneVector& all, std::span<const int> nodes, LaneVector& some) {
+void pick(const LaneVector& all, std::span<const int> nodes, LaneVector& some, double factor) {
   resize(some, static_cast<int>(nodes.size()), all.components, all.lanes);
   const std::ptrdiff_t block = static_cast<std::ptrdiff_t>(all.components) * all.lanes;
   for (std::size_t k = 0; k < nodes.size(); ++k)
-    std::copy_n(all.values.begin() + nodes[k] * block, block, some.values.begin() + k * block);
+    std::transform(all.values.begin() + nodes[k] * block, all.values.begin() + (nodes[k] + 1) * block,
+                   some.values.begin() + k * block, [factor](double value) { return factor * value; });
 }
 
 void spread(const LaneVector& some, std::span<const int> nodes, int count, LaneVector& all) {

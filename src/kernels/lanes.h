@@ -264,6 +264,39 @@ template <int Width, int Wider, class Real>
   }
 }
 
+/// Swaps the upper lanes of pairs in one row with the lower ones in another: a step of transposed().
+template <int Apart, int Width, class Part>
+[[gnu::always_inline]] inline void swap_lanes(Part& upper, Part& lower) {
+  [&]<int... Lane>(std::integer_sequence<int, Lane...>) __attribute__((always_inline)) {
+    const Part a = upper, b = lower;
+    upper = __builtin_shufflevector(a, b, ((Lane & Apart) != 0 ? Width + Lane - Apart : Lane)...);
+    lower = __builtin_shufflevector(a, b, ((Lane & Apart) != 0 ? Width + Lane : Lane + Apart)...);
+  }
+  (std::make_integer_sequence<int, Width>());
+}
+
+/// Rows as columns: lane j of row i becomes lane i of row j.
+template <int Width, class Real>
+[[gnu::always_inline]] inline std::array<Lanes<Width, Real>, Width> transposed(
+    std::array<Lanes<Width, Real>, Width> rows) {
+  using Row = Lanes<Width, Real>;
+  constexpr int each = Row::part_width;
+  const auto step = [&]<int Apart>() __attribute__((always_inline)) {
+    for (int row = 0; row < Width; ++row)
+      if ((row & Apart) == 0)
+        for (int i = 0; i < Row::parts; ++i)
+          swap_lanes<Apart, each>(rows[row].part[i], rows[row + Apart].part[i]);
+  };
+  if constexpr (each > 1) step.template operator()<1>();
+  if constexpr (each > 2) step.template operator()<2>();
+  if constexpr (each > 4) step.template operator()<4>();
+  // Squares of whole registers.
+  for (int row = 0; row < Width; ++row)
+    for (int i = row / each + 1; i < Row::parts; ++i)
+      std::swap(rows[row].part[i], rows[i * each + row % each].part[row / each]);
+  return rows;
+}
+
 /// Covers `lanes` by chunks of 8, 4, 2 and 1, as few as possible: calls `use(first)`, with the width as its
 /// template argument, for the first lane of each.
 template <class Use>

@@ -6,8 +6,8 @@
 #include "kernels/lanes.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <utility>
 
 namespace fabseq {
 
@@ -17,42 +17,130 @@ namespace {
 /// hardly differ from weighing much.
 constexpr double regularization = 1e-12;
 /// Entries that are gone through at a time: they stay in a cache.
-constexpr std::size_t piece = 2048;
+constexpr std::size_t piece = 4096;
+
+/// Calls f(first entry) for eight entries at a time, and for those that are left; f has their number as its
+/// template argument.
+template <class Function>
+void for_each_lanes(std::size_t length, Function&& f) {
+  std::size_t i = 0;
+  for (; i + 8 <= length; i += 8) f.template operator()<8>(i);
+  for (; i < length; ++i) f.template operator()<1>(i);
+}
+
+/// Adds the products of values with two vectors.
+template <class Real>
+void add_products(const double* first, const double* second, const Real* values, std::size_t length,
+                  double& first_sum, double& second_sum) {
+  using Eight = Lanes<8>;
+  // Two sums of each, since one waits for the last addition.
+  std::array<Eight, 2> firsts{Eight::zero(), Eight::zero()}, seconds = firsts;
+  for_each_lanes(length, [&]<int Width>(std::size_t i) {
+    using Value = Lanes<Width>;
+    const auto own = Value::load(values + i), of_first = Value::load(first + i) * own,
+               of_second = Value::load(second + i) * own;
+    if constexpr (Width == 8) {
+      firsts[i / 8 % 2] += of_first;
+      seconds[i / 8 % 2] += of_second;
+    } else {
+      first_sum += of_first[0];
+      second_sum += of_second[0];
+    }
+  });
+  const Eight first_lanes = firsts[0] + firsts[1], second_lanes = seconds[0] + seconds[1];
+  for (int lane = 0; lane < 8; ++lane) {
+    first_sum += first_lanes[lane];
+    second_sum += second_lanes[lane];
+  }
+}
 
 }  // namespace
 
-/// Changes to the step just found; the oldest one makes room.
-void Anderson::keep_change(const std::vector<double>& step) {
-  Change change;
-  if (changes_.size() == depth_) {
-    change = std::move(changes_.front());
-    changes_.pop_front();
-  }
-  change.step.resize(step.size());
-  change.both.resize(step.size());
-  for (std::size_t i = 0; i < step.size(); ++i) {
-    const auto of_step = static_cast<float>(step[i] - last_step_[i]);
-    change.step[i] = of_step;
-    change.both[i] = of_step + last_move_[i];
-  }
-  changes_.push_back(std::move(change));
+/// Entries that are gone through at a time.
+struct Anderson::Piece {
+  std::size_t begin, length;
+};
+
+template <class Function>
+void Anderson::for_each_piece(std::size_t entries, Function&& f) {
+  for (std::size_t begin = 0; begin < entries; begin += piece)
+    f(Piece{begin, std::min(piece, entries - begin)});
 }
 
-/// Factors of the changes, and the square of the step, from [change][changes up to it, step], step . step.
-/// Collective.
-std::vector<double> Anderson::factors(std::vector<double> sums, double& square) const {
-  sum_in_place(comm_, std::span<double>(sums));
-  const std::size_t count = changes_.size();
-  std::vector<double> matrix(count * count), right(count);
+void Anderson::start(std::span<const float> weights) {
+  weights_ = weights;
+  has_last_ = false;
+  count_ = 0;
+  changes_.resize(depth_);
+  products_.assign(depth_ * depth_, 0.0);
+}
+
+/// Makes the place of the newest change: that of the oldest one, if there are enough.
+void Anderson::make_room(std::size_t entries) {
+  newest_ = count_ < depth_ ? count_++ : (newest_ + 1) % depth_;
+  changes_[newest_].step.resize(entries);
+  changes_[newest_].both.resize(entries);
+}
+
+/// Goes through a piece of the step, whose weighted products are set; keeps what has changed, if a step came
+/// before.
+void Anderson::begin_piece(const Piece& at, const double* step, double* of_newest, double* of_step) {
+  const bool keeps = count_ > 0;
+  float* change = keeps ? &changes_[newest_].step[at.begin] : nullptr;
+  float* both = keeps ? &changes_[newest_].both[at.begin] : nullptr;
+  const float *weights = &weights_[at.begin], *last_step = keeps ? &last_step_[at.begin] : nullptr,
+              *last_move = keeps ? &last_move_[at.begin] : nullptr;
+  for_each_lanes(at.length, [&]<int Width>(std::size_t i) {
+    using Value = Lanes<Width>;
+    const auto weight = Value::load(weights + i), own = Value::load(step + i);
+    (weight * own).store(of_step + i);
+    if (!keeps) return;
+    (own - Value::load(last_step + i)).store(change + i);
+    const auto rounded = Value::load(change + i);
+    (rounded + Value::load(last_move + i)).store(both + i);
+    (weight * rounded).store(of_newest + i);
+  });
+}
+
+/// This rank's part.
+Anderson::Sums Anderson::products(const std::vector<double>& step) {
+  Sums result{std::vector<double>(count_, 0.0), std::vector<double>(count_, 0.0)};
+  std::vector<double> of_newest(piece), of_step(piece);
+  for_each_piece(step.size(), [&](const Piece& at) {
+    begin_piece(at, &step[at.begin], of_newest.data(), of_step.data());
+    for (std::size_t k = 0; k < count_; ++k)
+      add_products(of_newest.data(), of_step.data(), &changes_[k].step[at.begin], at.length, result.newest[k],
+                   result.step[k]);
+    double unused = 0.0;
+    add_products(of_newest.data(), of_step.data(), &step[at.begin], at.length, unused, result.square);
+  });
+  return result;
+}
+
+/// Adds up the parts of all ranks. Collective.
+void Anderson::reduce(Sums& sums) const {
+  std::vector<double> all = sums.newest;
+  all.insert(all.end(), sums.step.begin(), sums.step.end());
+  all.push_back(sums.square);
+  sum_in_place(comm_, std::span<double>(all));
+  const auto count = static_cast<std::ptrdiff_t>(sums.newest.size());
+  std::copy_n(all.begin(), count, sums.newest.begin());
+  std::copy_n(all.begin() + count, count, sums.step.begin());
+  sums.square = all.back();
+}
+
+/// Factors of the changes.
+std::vector<double> Anderson::factors(const Sums& sums) {
+  const std::size_t count = count_;
+  std::vector<double> matrix(count * count), right = sums.step;
+  for (std::size_t k = 0; k < count; ++k)
+    products_[newest_ * depth_ + k] = products_[k * depth_ + newest_] = sums.newest[k];
   double largest = 0.0;
-  auto next = sums.cbegin();
+  for (std::size_t i = 0; i < count; ++i) largest = std::max(largest, products_[i * depth_ + i]);
   for (std::size_t i = 0; i < count; ++i) {
-    for (std::size_t j = 0; j <= i; ++j) matrix[i * count + j] = matrix[j * count + i] = *next++;
-    right[i] = *next++;
-    largest = std::max(largest, matrix[i * count + i]);
+    std::copy_n(&products_[i * depth_], count, &matrix[i * count]);
+    matrix[i * count + i] += regularization * largest;
   }
-  square = *next;
-  for (std::size_t i = 0; i < count; ++i) matrix[i * count + i] += regularization * largest;
   // Steps that rounding makes dependent are not combined.
   const int size = static_cast<int>(count), one = 1;
   int failed = 0;
@@ -62,52 +150,43 @@ std::vector<double> Anderson::factors(std::vector<double> sums, double& square) 
 }
 
 Anderson::Norms Anderson::advance(std::vector<double>& x, const std::vector<double>& step) {
-  if (has_last_) keep_change(step);
-  const std::size_t count = changes_.size(), entries = step.size();
-  std::vector<double> sums(count * (count + 3) / 2 + 1, 0.0), weighted(piece);
-  for (std::size_t begin = 0; begin < entries; begin += piece) {
-    const std::size_t length = std::min(piece, entries - begin);
-    const auto add_product = [&](const auto* values, double& sum) {
-      auto lanes = Lanes<8>::zero();
-      std::size_t i = 0;
-      for (; i + 8 <= length; i += 8) lanes += Lanes<8>::load(&weighted[i]) * Lanes<8>::load(values + i);
-      for (; i < length; ++i) sum += weighted[i] * values[i];
-      for (int lane = 0; lane < 8; ++lane) sum += lanes[lane];
-    };
-    const auto weigh = [&](const auto* values) {
-      for (std::size_t i = 0; i < length; ++i) weighted[i] = weights_[begin + i] * values[i];
-    };
-    std::size_t next = 0;
-    for (std::size_t k = 0; k < count; ++k) {
-      weigh(&changes_[k].step[begin]);
-      for (std::size_t j = 0; j <= k; ++j) add_product(&changes_[j].step[begin], sums[next++]);
-      add_product(&step[begin], sums[next++]);
-    }
-    weigh(&step[begin]);
-    add_product(&step[begin], sums[next]);
-  }
-  double step_square = 0.0, x_square = 0.0;
-  const std::vector<double> factor = factors(std::move(sums), step_square);
+  const std::size_t entries = step.size();
+  if (has_last_) make_room(entries);
+  Sums sums = products(step);
+  reduce(sums);
+  const std::vector<double> factor = factors(sums);
   last_step_.resize(entries);
   last_move_.resize(entries);
   has_last_ = true;
-  std::vector<double> move(piece);
-  for (std::size_t begin = 0; begin < entries; begin += piece) {
-    const std::size_t length = std::min(piece, entries - begin);
-    std::copy_n(step.begin() + static_cast<std::ptrdiff_t>(begin), length, move.begin());
-    for (std::size_t k = 0; k < count; ++k) {
-      const float* both = &changes_[k].both[begin];
-      for (std::size_t i = 0; i < length; ++i) move[i] -= factor[k] * both[i];
-    }
-    for (std::size_t i = 0; i < length; ++i) {
-      double& own = x[begin + i];
-      own += move[i];
-      x_square += weights_[begin + i] * own * own;
-      last_step_[begin + i] = static_cast<float>(step[begin + i]);
-      last_move_[begin + i] = static_cast<float>(move[i]);
-    }
-  }
-  return {std::sqrt(step_square), std::sqrt(sum(comm_, x_square))};
+  double x_square = 0.0;
+  for_each_piece(entries,
+                 [&](const Piece& at) { x_square += move(at, factor, &step[at.begin], &x[at.begin]); });
+  return {std::sqrt(sums.square), std::sqrt(sum(comm_, x_square))};
+}
+
+/// Moves a piece of x. Returns its square.
+double Anderson::move(const Piece& at, std::span<const double> factors, const double* step, double* x) {
+  const float* weights = &weights_[at.begin];
+  float *last_step = &last_step_[at.begin], *last_move = &last_move_[at.begin];
+  double result = 0.0;
+  auto squares = Lanes<8>::zero();
+  for_each_lanes(at.length, [&]<int Width>(std::size_t i) {
+    using Value = Lanes<Width>;
+    const auto of_step = Value::load(step + i);
+    Value way = of_step;
+    for (std::size_t k = 0; k < factors.size(); ++k)
+      way = way - Value::load(&changes_[k].both[at.begin + i]) * factors[k];
+    const auto moved = Value::load(x + i) + way, square = moved * moved * Value::load(weights + i);
+    moved.store(x + i);
+    of_step.store(last_step + i);
+    way.store(last_move + i);
+    if constexpr (Width == 8)
+      squares += square;
+    else
+      result += square[0];
+  });
+  for (int lane = 0; lane < 8; ++lane) result += squares[lane];
+  return result;
 }
 
 }  // namespace fabseq

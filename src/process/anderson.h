@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "kernels/lane_array.h"
+
 #include <mpi.h>
 
 #include <cstddef>
-#include <deque>
 #include <span>
 #include <vector>
 
@@ -16,10 +17,10 @@ namespace fabseq {
 /// for nonlinear integral equations, J. ACM 12 (1965); H. F. Walker, P. Ni, SIAM J. Numer. Anal. 49 (2011).
 class Anderson {
  public:
-  /// `depth`: number of earlier steps that are combined. `weights`: of the entries in products, not negative;
-  /// must outlive the object.
-  Anderson(MPI_Comm comm, std::size_t depth, std::span<const float> weights)
-      : comm_(comm), depth_(depth), weights_(weights) {}
+  /// `depth`: number of earlier steps that are combined.
+  Anderson(MPI_Comm comm, std::size_t depth) : comm_(comm), depth_(depth) {}
+  /// Begins another iteration. `weights`: of the entries in products, not negative; must outlive it.
+  void start(std::span<const float> weights);
 
   /// Sets x to the next iterate. Returns the norms of the step and of x. Collective on `comm`.
   struct Norms {
@@ -30,18 +31,32 @@ class Anderson {
  private:
   /// Change from one iteration to the next.
   struct Change {
-    std::vector<float> step;  ///< of z
-    std::vector<float> both;  ///< of x + z
+    LaneValues<float> step;  ///< of z
+    LaneValues<float> both;  ///< of x + z
   };
-  void keep_change(const std::vector<double>& step);
-  std::vector<double> factors(std::vector<double> sums, double& square) const;
+  /// Sums of weighted products of a step, and of the newest change, with what is combined.
+  struct Sums {
+    std::vector<double> newest, step;  ///< with each change
+    double square = 0.0;               ///< of the step
+  };
+  struct Piece;
+  template <class Function>
+  static void for_each_piece(std::size_t entries, Function&& f);
+  void make_room(std::size_t entries);
+  void begin_piece(const Piece& at, const double* step, double* of_newest, double* of_step);
+  Sums products(const std::vector<double>& step);
+  void reduce(Sums& sums) const;
+  std::vector<double> factors(const Sums& sums);
+  double move(const Piece& at, std::span<const double> factors, const double* step, double* x);
 
   MPI_Comm comm_;
   std::size_t depth_;
   std::span<const float> weights_;
-  std::vector<float> last_step_, last_move_;  ///< z, and what was added to x; empty: first iteration
+  LaneValues<float> last_step_, last_move_;  ///< z, and what was added to x
   bool has_last_ = false;
-  std::deque<Change> changes_;
+  std::vector<Change> changes_;
+  std::size_t count_ = 0, newest_ = 0;  ///< of the changes; others are memory of an earlier iteration
+  std::vector<double> products_;        ///< of the changes with each other, [depth][depth]
 };
 
 }  // namespace fabseq

@@ -3,6 +3,7 @@
 
 #include "fabseq/kernels/lane_vector.h"
 #include "fabseq/process/elastic_model.h"
+#include "process/chunk_modes.h"
 #include "process/element_modes.h"
 #include "process/plastic_batches.h"
 #include "process/plastic_wave.h"
@@ -21,10 +22,7 @@ class PlasticExchange {
  public:
   /// All arguments must outlive the object.
   PlasticExchange(const ElasticModel<3>& model, const LayerGroups& groups, const PlasticBatches& batches)
-      : model_(model),
-        groups_(groups),
-        batches_(batches),
-        modes_(model.element, model.part.grid().spacing()) {}
+      : groups_(groups), batches_(batches), nodes_(model) {}
 
   /// What is done with a chunk: histories of the fields, and forces to be set (ElementModes::forces()).
   using Work =
@@ -34,22 +32,17 @@ class PlasticExchange {
   /// for, and `work` need not set them.
   void run(const PlasticWave& wave, std::span<const LaneVector* const> fields, LaneVector* forces,
            const Work& work) const;
-  const ElementModes& modes() const { return modes_; }
+  const ElementModes& modes() const { return nodes_.modes(); }
   const PlasticBatches& batches() const { return batches_; }
+  /// Gives back what is kept from call to call. Local.
+  void release_memory() const;
 
  private:
-  void set_modes(const PlasticBatches::Chunk& chunk, std::span<const double> ghosted, int lanes,
-                 std::vector<double>& modes) const;
-  void add_forces(const PlasticBatches::Chunk& chunk, std::span<const double> modes, int lanes,
-                  std::span<double> ghosted) const;
-
-  const ElasticModel<3>& model_;
   const LayerGroups& groups_;
   const PlasticBatches& batches_;
-  ElementModes modes_;
-  mutable std::vector<std::vector<double>>
-      histories_;  ///< scratch of one chunk after the other, as are these
-  mutable std::vector<double> forces_of_chunk_, values_;
+  ChunkModes nodes_;
+  mutable std::vector<std::vector<double>> ghosted_, histories_;  ///< scratch, [field], as are these
+  mutable std::vector<double> ghosted_forces_, forces_of_chunk_, values_;
 };
 
 }  // namespace fabseq

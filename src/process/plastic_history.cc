@@ -11,9 +11,18 @@ constexpr int strain_count = ElementModes::strains;
 constexpr int mode_count = ElementModes::components;
 constexpr int step_size = mode_count * plastic_width;
 
+// Number by number: copies of all of them at once are calls of the library.
+
 ModeLanes loaded(const double* values) {
   ModeLanes result;
   for (int c = 0; c < mode_count; ++c) result[c] = PlasticLanes::load(values + c * plastic_width);
+  return result;
+}
+
+ModeLanes difference(const double* values, const double* less) {
+  ModeLanes result;
+  for (int c = 0; c < mode_count; ++c)
+    result[c] = PlasticLanes::load(values + c * plastic_width) - PlasticLanes::load(less + c * plastic_width);
   return result;
 }
 
@@ -21,15 +30,20 @@ void store(const ModeLanes& modes, double* to) {
   for (int c = 0; c < mode_count; ++c) modes[c].store(to + c * plastic_width);
 }
 
-ModeLanes forces_of(const PlasticPoint& point) {
-  ModeLanes result;
-  std::ranges::copy(point.hourglass, std::ranges::copy(point.stress, result.begin()).out);
-  return result;
+void store_forces(const PlasticPoint& point, double* to) {
+  for (int c = 0; c < strain_count; ++c) point.stress[c].store(to + c * plastic_width);
+  for (int k = 0; k < ElementModes::amplitudes; ++k)
+    point.hourglass[k].store(to + (strain_count + k) * plastic_width);
 }
 
-ModeLanes less(ModeLanes a, const ModeLanes& b) {
-  for (int c = 0; c < mode_count; ++c) a[c] = a[c] - b[c];
-  return a;
+/// Turns stored forces into what they have grown by since then.
+void store_growth(const PlasticPoint& point, double* forces) {
+  const auto grow = [forces](int c, const PlasticLanes& now) {
+    double* place = forces + c * plastic_width;
+    (now - PlasticLanes::load(place)).store(place);
+  };
+  for (int c = 0; c < strain_count; ++c) grow(c, point.stress[c]);
+  for (int k = 0; k < ElementModes::amplitudes; ++k) grow(strain_count + k, point.hourglass[k]);
 }
 
 }  // namespace
@@ -45,17 +59,30 @@ PlasticDual PlasticDual::zero() {
 ModeLanes PlasticHistory::increment(const PlasticWave& wave, int step, const double* displacements) const {
   const double* own = displacements + step * step_size;
   const bool is_sum = accumulated_ && !wave.release && step > 0;
-  return is_sum ? less(loaded(own), loaded(own - step_size)) : loaded(own);
+  return is_sum ? difference(own, own - step_size) : loaded(own);
 }
 
 void PlasticHistory::run(const PlasticWave& wave, std::size_t batch, const double* displacements,
                          double* forces, PlasticPoint& point) const {
+  if (accumulated_)
+    go_through<true>(wave, batch, displacements, forces, point);
+  else
+    go_through<false>(wave, batch, displacements, forces, point);
+}
+
+template <bool Heated>
+void PlasticHistory::go_through(const PlasticWave& wave, std::size_t batch, const double* displacements,
+                                double* forces, PlasticPoint& point) const {
   const bool sums = accumulated_ || wave.release;
   for (int s = 0; s < wave.count; ++s) {
-    const ModeLanes before = forces_of(point);
-    advance(elastic_, material_.step(batch, s), increment(wave, s, displacements), point);
-    if (forces == nullptr) continue;
-    store(sums ? forces_of(point) : less(forces_of(point), before), forces + s * step_size);
+    double* own = forces != nullptr ? forces + s * step_size : nullptr;
+    if (own != nullptr && !sums) store_forces(point, own);
+    advance<Heated>(elastic_, material_.step(batch, s), increment(wave, s, displacements), point);
+    if (own == nullptr) continue;
+    if (sums)
+      store_forces(point, own);
+    else
+      store_growth(point, own);
   }
 }
 
@@ -63,7 +90,7 @@ void PlasticHistory::run(const PlasticWave& wave, std::size_t batch, const doubl
 ModeLanes PlasticHistory::adjoint_difference(const PlasticWave& wave, int step, const double* adjoint) const {
   const double* own = adjoint + step * step_size;
   const bool is_difference = accumulated_ || step + 1 == wave.count;
-  return is_difference ? loaded(own) : less(loaded(own), loaded(own + step_size));
+  return is_difference ? loaded(own) : difference(own, own + step_size);
 }
 
 /// Sets the adjoint of a step, and takes `dual` from behind the step to before it.
@@ -123,7 +150,7 @@ void PlasticHistory::run_back(const PlasticWave& wave, std::size_t batch, const 
     own.before = point;
     own.step = material_.step(batch, s);
     own.displacement = increment(wave, s, displacements);
-    own.returned = advance(elastic_, own.step, own.displacement, point);
+    own.returned = advance<true>(elastic_, own.step, own.displacement, point);
     own.plastic_strain = point.plastic_strain;
   }
   for (int s = wave.count; s-- > 0;) {

@@ -27,8 +27,9 @@ struct PlasticDual {
 /// temperature. Values of histories are [step][ElementModes][element]. Local.
 class PlasticHistory {
  public:
-  /// All arguments must outlive the object. `accumulated`: whether displacements are sums from the wave's
-  /// first step on; forces are sums from the first step of all, then, else what each step adds.
+  /// All arguments must outlive the object. `accumulated`, where there are temperatures: displacements are
+  /// sums from the wave's first step on; forces are sums from the first step of all, then, else what each
+  /// step adds.
   PlasticHistory(const ElasticModel<3>& model, const ElementModes& modes, const PlasticMaterial& material,
                  bool accumulated)
       : elastic_(model.material.poisson), modes_(modes), material_(material), accumulated_(accumulated) {}
@@ -50,6 +51,9 @@ class PlasticHistory {
                 const ProcessDerivatives* to, Records& records) const;
 
  private:
+  template <bool Heated>
+  void go_through(const PlasticWave& wave, std::size_t batch, const double* displacements, double* forces,
+                  PlasticPoint& point) const;
   ModeLanes increment(const PlasticWave& wave, int step, const double* displacements) const;
   ModeLanes adjoint_difference(const PlasticWave& wave, int step, const double* adjoint) const;
   void step_back(Record& own, const ModeLanes& difference, PlasticDual& dual) const;

@@ -4,11 +4,9 @@
 #include "fabseq/base/error.h"
 #include "fabseq/base/formatted.h"
 #include "fabseq/base/mpi.h"
-#include "process/anderson.h"
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 namespace fabseq {
 
@@ -19,13 +17,26 @@ constexpr int most_sweeps = 300;  ///< over a wave
 /// Closeness where one step is too little: it hardly moves a piece that hangs in what is not built yet, and
 /// sweeps would end because of that.
 constexpr double closer = 0.01;
-/// Closeness of the solves of a sweep: within reach of it from the start, so that each takes one step,
-/// unmeasured, but where pieces hang. Closer ones save no sweeps (docs/developer/experiments.md).
-constexpr SolveTolerance one_step{.value = 0.5, .reach = 4.0, .of_islands = closer};
+/// Closeness of the solves of a sweep, each one cycle but where pieces hang, beside which one step is enough.
+/// Closer ones save no sweeps (docs/developer/experiments.md).
+constexpr SolveTolerance one_step{.value = 0.5, .reach = 4.0, .of_islands = closer, .one_cycle = true};
 /// The same of the release, which has no reach.
 constexpr double of_release = 0.3;
-/// Sweeps after which all solves are closer.
-constexpr int patience = 30;
+
+/// Says when all solves have to be closer: after 30 sweeps of which the last 15 have not taken the step to
+/// 0.3 of its size.
+class Patience {
+ public:
+  void add(double step) {
+    steps_.push_back(step);
+    lost_ = lost_ || (steps_.size() >= 30 && step > 0.3 * steps_[steps_.size() - 16]);
+  }
+  bool is_lost() const { return lost_; }
+
+ private:
+  std::vector<double> steps_;
+  bool lost_ = false;
+};
 
 }  // namespace
 
@@ -66,26 +77,33 @@ void PlasticIteration::set_weights(std::span<const double> stiffness) {
         *to++ = static_cast<float>(nodal(static_cast<std::size_t>(node), lane));
 }
 
-/// Step of the unknowns that forces lead to.
-void PlasticIteration::correct(LaneVector& forces, bool adjoint, LaneVector& step) {
+Anderson PlasticIteration::make_anderson() const { return {systems_.groups().world(), depth}; }
+
+void PlasticIteration::release_memory() {
+  anderson_ = make_anderson();
+  for (LaneVector* vector : {&forces_, &solution_, &step_}) *vector = {};
+}
+
+/// Sets the step of the unknowns that the forces lead to: what they would do, the other way round.
+void PlasticIteration::correct(bool adjoint) {
   const int lanes = wave_.lanes(systems_.groups().index());
-  resize(step, static_cast<int>(systems_.model().nodes.size()), 3, lanes);
+  resize(step_, static_cast<int>(systems_.model().nodes.size()), 3, lanes);
   hangs_.assign(static_cast<std::size_t>(lanes), 0);
   systems_.groups().run([&] {
     if (lanes == 0) return;
-    LaneVector solution;
+    double sign = -1.0;
     if (wave_.release) {
-      resize(solution, systems_.owned_nodes(), 3, 1);
-      solution.values = adjoint ? release_->adjoint(forces.values) : release_->displacement(forces.values);
+      resize(solution_, systems_.owned_nodes(), 3, 1);
+      sign = 1.0;
+      solution_.values = adjoint ? release_->adjoint(forces_.values) : release_->displacement(forces_.values);
     } else {
-      for (double& force : forces.values) force = -force;
       const auto reports =
-          systems_.solve_current(*wave_.block, forces, solution, adjoint ? "adjoint" : "forward");
+          systems_.solve_current(*wave_.block, forces_, solution_, adjoint ? "adjoint" : "forward");
       std::ranges::transform(reports, hangs_.begin(), [](const SolveReport& report) {
         return static_cast<char>(report.has_islands ? 1 : 0);
       });
     }
-    pick(solution, systems_.model().nodes, step);
+    pick(solution_, systems_.model().nodes, step_, sign);
   });
 }
 
@@ -97,17 +115,16 @@ void PlasticIteration::set_tolerance(const SolveTolerance& of_steps, double rele
 /// Weights for adjoints, if pieces hang in a step; empty: those of the wave. What moves such a piece is 1e5
 /// times as large as the adjoints of other steps, whose changes would not count beside it: the step is to
 /// count as much as the largest of the others in the wave, or as those so far do on average.
-std::vector<float> PlasticIteration::leveled_weights(const LaneVector& unknowns,
-                                                     const LaneVector& step) const {
+std::vector<float> PlasticIteration::leveled_weights(const LaneVector& unknowns) const {
   const MPI_Comm world = systems_.groups().world();
   const bool hangs = std::ranges::find(hangs_, 1) != hangs_.end();
   if (max(world, hangs ? 1.0 : 0.0) == 0.0) return {};
-  const auto lanes = static_cast<std::size_t>(step.lanes);
+  const auto lanes = static_cast<std::size_t>(step_.lanes);
   std::vector<double> squares(2 * lanes, 0.0);
-  for (std::size_t i = 0; i < step.values.size(); ++i) {
+  for (std::size_t i = 0; i < step_.values.size(); ++i) {
     const double weight = weights_[i];
     squares[i % lanes] += weight * unknowns.values[i] * unknowns.values[i];
-    squares[lanes + i % lanes] += weight * step.values[i] * step.values[i];
+    squares[lanes + i % lanes] += weight * step_.values[i] * step_.values[i];
   }
   sum_in_place(systems_.model().part.grid().comm(), std::span<double>(squares));
   double largest = steps_ > 0 ? square_ / steps_ : 0.0;
@@ -125,21 +142,18 @@ std::vector<float> PlasticIteration::leveled_weights(const LaneVector& unknowns,
 
 int PlasticIteration::solve(LaneVector& unknowns, const Forces& forces, bool adjoint, double change) {
   std::vector<float> leveled;
-  std::optional<Anderson> anderson;
-  LaneVector step;
+  Patience patience;
   set_tolerance(one_step, of_release);
   for (int sweep = 1; sweep <= most_sweeps; ++sweep) {
-    if (sweep == patience) set_tolerance({closer}, closer);
-    {
-      LaneVector left;
-      forces(unknowns, left);
-      correct(left, adjoint, step);
+    if (patience.is_lost()) set_tolerance({closer}, closer);
+    forces(unknowns, forces_);
+    correct(adjoint);
+    if (sweep == 1) {
+      if (adjoint) leveled = leveled_weights(unknowns);
+      anderson_.start(leveled.empty() ? weights_ : leveled);
     }
-    if (!anderson) {
-      if (adjoint) leveled = leveled_weights(unknowns, step);
-      anderson.emplace(systems_.groups().world(), depth, leveled.empty() ? weights_ : leveled);
-    }
-    const Anderson::Norms norms = anderson->advance(unknowns.values, step.values);
+    const Anderson::Norms norms = anderson_.advance(unknowns.values, step_.values);
+    patience.add(norms.step);
     const double all_square = square_ + norms.x * norms.x;
     if (!std::isfinite(norms.step + norms.x)) break;
     if (norms.step > change * std::sqrt(all_square)) continue;

@@ -4,6 +4,7 @@
 #include "fabseq/kernels/lane_vector.h"
 #include "fabseq/process/release.h"
 #include "fabseq/process/step_systems.h"
+#include "process/anderson.h"
 #include "process/plastic_material.h"
 #include "process/plastic_wave.h"
 
@@ -21,7 +22,7 @@ class PlasticIteration {
   /// `release`: nullptr: there is none. All arguments must outlive the object.
   PlasticIteration(StepSystems<3>& systems, Release<3>* release, const PlasticInput& input,
                    const MaterialCurves& curves)
-      : systems_(systems), release_(release), input_(input), curves_(curves) {}
+      : systems_(systems), release_(release), input_(input), curves_(curves), anderson_(make_anderson()) {}
 
   /// Prepares a wave. `changed`: whether its systems may be others than when it was last set.
   void set_wave(const PlasticWave& wave, bool changed);
@@ -37,14 +38,17 @@ class PlasticIteration {
     square_ = 0.0;
     steps_ = 0;
   }
+  /// Gives back what is kept from wave to wave. Local.
+  void release_memory();
 
  private:
   /// `stiffness`: of the wave, [element][lane].
   void set_weights(std::span<const double> stiffness);
   void scale(const BlockRegion& block, std::span<double> stiffness) const;
   void set_tolerance(const SolveTolerance& of_steps, double release);
-  void correct(LaneVector& forces, bool adjoint, LaneVector& step);
-  std::vector<float> leveled_weights(const LaneVector& unknowns, const LaneVector& step) const;
+  void correct(bool adjoint);
+  Anderson make_anderson() const;
+  std::vector<float> leveled_weights(const LaneVector& unknowns) const;
 
   StepSystems<3>& systems_;
   Release<3>* release_;
@@ -55,6 +59,8 @@ class PlasticIteration {
   std::vector<char> hangs_;     ///< whether stiff pieces hang in what is not built yet, by lane
   double square_ = 0.0;         ///< of the norm of the unknowns of all waves so far
   int steps_ = 0;               ///< of all waves so far
+  Anderson anderson_;
+  LaneVector forces_, solution_, step_;  ///< of a sweep
 };
 
 }  // namespace fabseq

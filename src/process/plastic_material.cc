@@ -116,28 +116,6 @@ void PlasticMaterial::set_strains() {
     }
 }
 
-PlasticStep PlasticMaterial::step(std::size_t batch, int step) const {
-  const std::size_t at = batch * wave_.count + step;
-  const Values& values = values_[at];
-  PlasticStep result{values.modulus,
-                     values.stiffness,
-                     values.yield_share * yield_,
-                     values.yield_share * hardening_,
-                     values.elongation,
-                     values.load,
-                     {}};
-  result.inherent_strain.fill(PlasticLanes::zero());
-  if (wave_.release) return result;
-  if (input_.heated()) {
-    for (int a = 0; a < 3; ++a)
-      result.inherent_strain[a] = values.elongation - PlasticLanes::broadcast(curves_.first_elongation());
-  } else {
-    result.inherent_strain =
-        strains_[strains_.size() == values_.size() ? at : static_cast<std::size_t>(step)];
-  }
-  return result;
-}
-
 void PlasticMaterial::add_derivatives(std::size_t batch, int step, const PlasticStepDerivatives& derivatives,
                                       const ProcessDerivatives& to) const {
   const std::size_t number = number_of(step), part_elements = model_.part_position.size();

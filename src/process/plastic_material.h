@@ -78,4 +78,27 @@ class PlasticMaterial {
   std::vector<Voigt> strains_;  ///< inherent, [step], or [batch][step] where elements have their own
 };
 
+// In the header, since what calls it takes longer to copy a step than to use it.
+inline PlasticStep PlasticMaterial::step(std::size_t batch, int step) const {
+  const std::size_t at = batch * wave_.count + step;
+  const Values& values = values_[at];
+  PlasticStep result;
+  result.modulus = values.modulus;
+  result.stiffness = values.stiffness;
+  result.yield = values.yield_share * yield_;
+  result.hardening = values.yield_share * hardening_;
+  result.elongation = values.elongation;
+  result.load = values.load;
+  if (!wave_.release && !input_.heated()) {
+    const Voigt& strain = strains_[strains_.size() == values_.size() ? at : static_cast<std::size_t>(step)];
+    for (std::size_t c = 0; c < strain.size(); ++c) result.inherent_strain[c] = strain[c];
+    return result;
+  }
+  for (PlasticLanes& strain : result.inherent_strain) strain = PlasticLanes::zero();
+  if (wave_.release) return result;
+  for (int a = 0; a < 3; ++a)
+    result.inherent_strain[a] = values.elongation - PlasticLanes::broadcast(curves_.first_elongation());
+  return result;
+}
+
 }  // namespace fabseq

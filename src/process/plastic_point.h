@@ -87,21 +87,32 @@ struct PlasticReturn {
   PlasticLanes stress_of_shear;  ///< 3 G
 };
 
-/// Takes a point through a step. `displacement`: of the step.
+/// Takes a point through a step. `displacement`: of the step. Unless the process is `Heated`, modulus and
+/// elongation stay as they are.
+template <bool Heated>
 [[gnu::always_inline]] inline PlasticReturn advance(const IsotropicStiffness& elastic,
                                                     const PlasticStep& step, const ModeLanes& displacement,
                                                     PlasticPoint& point) {
   constexpr int strains = ElementModes::strains;
   PlasticReturn result;
-  result.ratio = step.modulus / point.modulus;  // of nothing before the first step
-  result.young = step.modulus * step.stiffness;
+  result.ratio = PlasticLanes::broadcast(1.0);
+  result.young = step.stiffness;
   for (int c = 0; c < strains; ++c) result.load[c] = step.load * step.inherent_strain[c];
-  const PlasticLanes growth = point.stiffness * (step.elongation - point.elongation);
-  for (int a = 0; a < 3; ++a) result.load[a] += growth;
   Voigt trial;
-  for (int c = 0; c < strains; ++c) trial[c] = result.young * displacement[c] - step.modulus * result.load[c];
-  trial = elastic.stress(trial);
-  for (int c = 0; c < strains; ++c) trial[c] += result.ratio * point.stress[c];
+  if constexpr (Heated) {
+    result.ratio = step.modulus / point.modulus;  // of nothing before the first step
+    result.young = step.modulus * step.stiffness;
+    const PlasticLanes growth = point.stiffness * (step.elongation - point.elongation);
+    for (int a = 0; a < 3; ++a) result.load[a] += growth;
+    for (int c = 0; c < strains; ++c)
+      trial[c] = result.young * displacement[c] - step.modulus * result.load[c];
+    trial = elastic.stress(trial);
+    for (int c = 0; c < strains; ++c) trial[c] += result.ratio * point.stress[c];
+  } else {
+    for (int c = 0; c < strains; ++c) trial[c] = result.young * displacement[c] - result.load[c];
+    trial = elastic.stress(trial);
+    for (int c = 0; c < strains; ++c) trial[c] += point.stress[c];
+  }
   const Voigt d = deviator(trial);
   const PlasticLanes q = equivalent(d),
                      inverse = PlasticLanes::broadcast(1.0) / larger(q, PlasticLanes::broadcast(1e-300));
@@ -115,10 +126,13 @@ struct PlasticReturn {
   }
   point.plastic_strain += result.flow;
   for (int k = 0; k < ElementModes::amplitudes; ++k)
-    point.hourglass[k] = result.ratio * point.hourglass[k] + result.young * displacement[strains + k];
-  point.modulus = step.modulus;
+    point.hourglass[k] = (Heated ? result.ratio * point.hourglass[k] : point.hourglass[k]) +
+                         result.young * displacement[strains + k];
   point.stiffness = step.stiffness;
-  point.elongation = step.elongation;
+  if constexpr (Heated) {
+    point.modulus = step.modulus;
+    point.elongation = step.elongation;
+  }
   return result;
 }
 

@@ -61,7 +61,7 @@ std::vector<int> PlasticSweeps::run(double change) {
     starts_[wave + 1].resize(batches_.count());
     go_through(wave, unknowns_[wave], nullptr, &starts_[wave + 1]);
   }
-  systems_.save_memory();
+  save_memory();
   return result;
 }
 

@@ -62,7 +62,12 @@ class PlasticSweeps {
   PlasticIteration& iteration() { return iteration_; }
   /// Makes a wave the current one of material and systems.
   void set_wave(std::size_t wave, bool changed);
-  void save_memory() { systems_.save_memory(); }
+  /// Gives back what the next waves can do without.
+  void save_memory() {
+    systems_.save_memory();
+    exchange_.release_memory();
+    iteration_.release_memory();
+  }
   /// Interpolated stiffness around each owned node in the steps of this group's block, without temperatures.
   LaneVector nodal_stiffness(const PlasticWave& wave) const;
   const LayerGroups& groups() const { return systems_.groups(); }

@@ -185,6 +185,7 @@ void LaneElasticity<Dim>::set_tolerance(const SolveTolerance& tolerance) {
   stop_.tolerance = tolerance.value;
   stop_.reach = tolerance.reach;
   stop_.of_islands = tolerance.of_islands;
+  stop_.one_cycle = tolerance.one_cycle;
   if (fallback_) fallback_->set_tolerance(tolerance);
 }
 

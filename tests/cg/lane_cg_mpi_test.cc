@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numeric>
 #include <vector>
 
 namespace fabseq {
@@ -144,6 +146,32 @@ TYPED_TEST(LaneCgTest, AResidualWithinReachIsFollowedByOneStep) {
   }
   for (const LaneOutcome& outcome : solve(1e9)) EXPECT_EQ(outcome.iterations, 1);
   for (int lane = 0; lane < 4; ++lane) EXPECT_GT(test::largest(solver.whole(lane)), 0.0);
+}
+
+/// The first direction of conjugate gradients, which a step of theirs follows.
+TYPED_TEST(LaneCgTest, OneCycleGivesTheFirstDirection) {
+  test::LaneCgCase<TypeParam, 4> solver;
+  const LaneArray loads = solver.loads(4, [](int lane) { return std::exp2(4.0 * lane); });
+  const auto solve = [&](bool one_cycle) {
+    std::vector<std::vector<double>> solutions;
+    for (const LaneOutcome& outcome :
+         solver.solve(loads, 3, {.tolerance = 1e-6, .reach = 1e9, .one_cycle = one_cycle})) {
+      EXPECT_TRUE(outcome.converged);
+      EXPECT_EQ(outcome.iterations, 1);
+      solutions.push_back(solver.whole(static_cast<int>(solutions.size())));
+    }
+    return solutions;
+  };
+  const auto cycles = solve(true), steps = solve(false);
+  for (std::size_t lane = 0; lane < steps.size(); ++lane) {
+    const std::vector<double>&a = cycles[lane], &b = steps[lane];
+    const double overlap = std::inner_product(a.begin(), a.end(), b.begin(), 0.0),
+                 square = std::inner_product(a.begin(), a.end(), a.begin(), 0.0);
+    std::vector<double> scaled = a;
+    for (double& value : scaled) value *= overlap / square;
+    EXPECT_LT(test::relative_difference(scaled, b), 1e-5);
+    EXPECT_NEAR(overlap / square, 1.0, 0.5);
+  }
 }
 
 TYPED_TEST(LaneCgTest, IterationsDoNotDependOnTheRanks) {

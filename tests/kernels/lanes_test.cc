@@ -111,6 +111,18 @@ TEST(LanesTest, JoinsPieces) {
   for (int lane = 0; lane < native_lanes; ++lane) EXPECT_EQ(wide[lane], lane);
 }
 
+TEST(LanesTest, RowsBecomeColumns) {
+  for_each_width([]<int Width>() {
+    if constexpr (Width > 1) {
+      std::array<Lanes<Width>, Width> rows;
+      for (int row = 0; row < Width; ++row) rows[row] = counted<Width>(100 * row);
+      const auto columns = transposed<Width>(rows);
+      for (int row = 0; row < Width; ++row)
+        for (int lane = 0; lane < Width; ++lane) EXPECT_EQ(columns[row][lane], 100 * lane + row) << Width;
+    }
+  });
+}
+
 TEST(LanesTest, TakesPiecesOutOfRegisters) {
   const auto before = counted<native_lanes>(0), behind = counted<native_lanes>(native_lanes);
   const auto next = lanes_from<native_lanes, 1>(before, behind);

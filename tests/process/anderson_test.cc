@@ -24,7 +24,8 @@ std::vector<double> step_at(const std::vector<double>& x) {
 
 TEST(AndersonTest, EndsSoonBehindAsManyStepsAsThereAreFactors) {
   const std::vector<float> weights(size, 0.5F);
-  Anderson anderson(MPI_COMM_SELF, 6, weights);
+  Anderson anderson(MPI_COMM_SELF, 6);
+  anderson.start(weights);
   std::vector<double> x(size, 0.0);
   double first = 0.0, last = 0.0;
   for (int sweep = 0; sweep < 9; ++sweep) {
@@ -39,7 +40,8 @@ TEST(AndersonTest, EndsSoonBehindAsManyStepsAsThereAreFactors) {
 TEST(AndersonTest, NormsAreWeighted) {
   std::vector<float> weights(size, 0.0F);
   weights[3] = 4.0F;
-  Anderson anderson(MPI_COMM_SELF, 2, weights);
+  Anderson anderson(MPI_COMM_SELF, 2);
+  anderson.start(weights);
   std::vector<double> x(size, 1.0);
   const Anderson::Norms norms = anderson.advance(x, std::vector<double>(size, 2.0));
   EXPECT_DOUBLE_EQ(norms.step, 4.0);
@@ -47,7 +49,8 @@ TEST(AndersonTest, NormsAreWeighted) {
 }
 
 TEST(AndersonTest, RanksWithoutEntriesTakePart) {
-  Anderson anderson(MPI_COMM_SELF, 2, {});
+  Anderson anderson(MPI_COMM_SELF, 2);
+  anderson.start({});
   std::vector<double> x;
   for (int sweep = 0; sweep < 3; ++sweep) EXPECT_EQ(anderson.advance(x, {}).step, 0.0);
 }

@@ -44,8 +44,8 @@ struct LaneVector {
 /// Gives `vector` this size. Its values are left to whoever sets them: the memory of a block of layers serves
 /// the next one, too, for fresh memory costs more than what is done with it.
 void resize(LaneVector& vector, int nodes, int components, int lanes);
-/// Sets `some` to the values of these nodes.
-void pick(const LaneVector& all, std::span<const int> nodes, LaneVector& some);
+/// Sets `some` to the values of these nodes, times a factor.
+void pick(const LaneVector& all, std::span<const int> nodes, LaneVector& some, double factor = 1.0);
 /// The other way round, with 0 at other nodes; `all` has `count` nodes.
 void spread(const LaneVector& some, std::span<const int> nodes, int count, LaneVector& all);
 

@@ -19,6 +19,8 @@ struct SolveTolerance {
   /// The value where stiff pieces hang in soft surroundings (LaneStop::of_islands); 0: the same. The
   /// reference path, which looks for none, takes the smaller of both.
   double of_islands = 0.0;
+  /// LaneStop::one_cycle. The reference path stops at the value.
+  bool one_cycle = false;
   /// The value for the sequence's own equation, which begins with its last solution then; 0: a thousandth of
   /// the value.
   double of_sequence = 0.0;
