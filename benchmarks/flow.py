@@ -9,7 +9,7 @@ Both have nominal deposition and no least squares, all elements count. Without a
 material's own. Measured are the iterations of an optimization after the warm-up, which begin from the last
 design's state, and simulations from a cold start: the linear one to 1e-6, that with flow until sweeps change
 displacements by 1e-3 and 1e-5, for errors of about 1e-2 and 1e-4 at most. Medians over the repetitions,
-which run by turns, and over the iterations.
+which run by turns, and over the iterations. Sweeps are means over the steps.
 """
 import os
 import statistics
@@ -44,7 +44,8 @@ def iterations(options, model, directory):
 def simulation(options, model, tolerance, directory):
     program_run.run(options, options.ranks, directory,
                     ["-task", "simulate", *arguments_of(options, model), *method_options(LANES, tolerance)])
-    return program_run.read_json(directory, "summary.json")["seconds"]["primal"]
+    summary = program_run.read_json(directory, "summary.json")
+    return {"seconds": summary["seconds"]["primal"], "sweeps": statistics.mean(summary["solver_iterations"]["primal"])}
 
 
 def median_of(rows):
@@ -61,7 +62,8 @@ def print_table(found, simulated):
     linear = simulated[LINEAR, TOLERANCES[LINEAR][0]]
     for tolerance in TOLERANCES[FLOW]:
         flow = simulated[FLOW, tolerance]
-        print(f"{f'cold simulation to {tolerance:g}, s':32s}{linear:10.3f}{flow:10.3f}{flow / linear:8.2f}")
+        print(f"{f'cold simulation to {tolerance:g}, s':32s}{linear['seconds']:10.3f}{flow['seconds']:10.3f}"
+              f"{flow['seconds'] / linear['seconds']:8.2f}{flow['sweeps']:8.1f} sweeps")
 
 
 def main():
@@ -70,7 +72,7 @@ def main():
     parser.add_argument("--yield-stress", type=float, metavar="S")
     parser.add_argument("--hardening", type=float, default=0.01, metavar="H")
     options = program_run.parse_iterations(parser, "", "model", iterations=6)
-    rows, seconds = {LINEAR: [], FLOW: []}, {}
+    rows, found_of = {LINEAR: [], FLOW: []}, {}
     with tempfile.TemporaryDirectory(prefix="fabseq_flow_") as folder:
         program_run.run(options, 1, os.path.join(folder, "check"), ["-task", "simulate", "-layers", 1])
         options.terms = program_run.read_json(os.path.join(folder, "check"), "config.json")["objective"]
@@ -78,14 +80,14 @@ def main():
             for model in (LINEAR, FLOW):
                 rows[model] += iterations(options, model, os.path.join(folder, model))
                 for tolerance in TOLERANCES[model]:
-                    seconds.setdefault((model, tolerance), []).append(
+                    found_of.setdefault((model, tolerance), []).append(
                         simulation(options, model, tolerance, os.path.join(folder, "simulated")))
     found = {model: median_of(of_model) for model, of_model in rows.items()}
-    simulated = {key: statistics.median(values) for key, values in seconds.items()}
+    simulated = {key: median_of(values) for key, values in found_of.items()}
     print_table(found, simulated)
     if options.json:
         program_run.write_json(options.json, {"iterations": rows, "simulations": {
-            f"{model} {tolerance:g}": values for (model, tolerance), values in seconds.items()}})
+            f"{model} {tolerance:g}": values for (model, tolerance), values in found_of.items()}})
 
 
 if __name__ == "__main__":

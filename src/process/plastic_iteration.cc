@@ -4,9 +4,11 @@
 #include "fabseq/base/error.h"
 #include "fabseq/base/formatted.h"
 #include "fabseq/base/mpi.h"
+#include "fabseq/base/session.h"
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 namespace fabseq {
 
@@ -14,17 +16,20 @@ namespace {
 
 constexpr std::size_t depth = 5;  ///< of Anderson's method
 constexpr int most_sweeps = 300;  ///< over a wave
-/// Closeness where one step is too little: it hardly moves a piece that hangs in what is not built yet, and
-/// sweeps would end because of that.
-constexpr double closer = 0.01;
+/// Closeness where one cycle is too little: it hardly moves a piece that hangs in what is not built yet, and
+/// sweeps would end because of that. The adjoint of such a step, 1e5 times as large as others, is a load of
+/// the steps before it, which ten times the error would bury.
+constexpr double closer = 0.01, closer_adjoint = 0.001;
 /// Closeness of the solves of a sweep, each one cycle but where pieces hang, beside which one step is enough.
 /// Closer ones save no sweeps (docs/developer/experiments.md).
-constexpr SolveTolerance one_step{.value = 0.5, .reach = 4.0, .of_islands = closer, .one_cycle = true};
+constexpr SolveTolerance one_cycle(bool adjoint) {
+  return {.value = 0.5, .reach = 4.0, .of_islands = adjoint ? closer_adjoint : closer, .one_cycle = true};
+}
 /// The same of the release, which has no reach.
 constexpr double of_release = 0.3;
 
-/// Says when all solves have to be closer: after 30 sweeps of which the last 15 have not taken the step to
-/// 0.3 of its size.
+/// Says when all solves have to be closer, after 30 sweeps of which the last 15 have not taken the step to
+/// 0.3 of its size; and when sweeps move no further, since the last 30 have not halved the smallest step.
 class Patience {
  public:
   void add(double step) {
@@ -32,11 +37,20 @@ class Patience {
     lost_ = lost_ || (steps_.size() >= 30 && step > 0.3 * steps_[steps_.size() - 16]);
   }
   bool is_lost() const { return lost_; }
+  bool is_stuck() const {
+    if (!lost_ || steps_.size() < 60) return false;
+    const auto last = steps_.end() - 30;
+    return *std::min_element(last, steps_.end()) > 0.5 * *std::min_element(steps_.begin(), last);
+  }
 
  private:
   std::vector<double> steps_;
   bool lost_ = false;
 };
+
+/// Change that is close enough where sweeps move no further: a piece that hangs in what is not built yet
+/// moves by what rounding leaves of its forces, over a stiffness of 1e-9.
+constexpr double as_rounding_leaves = 1e-6;
 
 }  // namespace
 
@@ -140,10 +154,20 @@ std::vector<float> PlasticIteration::leveled_weights(const LaneVector& unknowns)
   return result;
 }
 
+void PlasticIteration::warn_of_rounding(double reached, double change) const {
+  const std::string what = wave_.release ? "release"
+                                         : formatted("layers %d to %d", input_.steps[wave_.first].layer + 1,
+                                                     input_.steps[wave_.first + wave_.count - 1].layer + 1);
+  warn(systems_.groups().world(),
+       formatted(
+           "%s: plastic flow: sweeps end at changes of %.1e, not %.1e: rounding moves what hangs in the air",
+           what.c_str(), reached, change));
+}
+
 int PlasticIteration::solve(LaneVector& unknowns, const Forces& forces, bool adjoint, double change) {
   std::vector<float> leveled;
   Patience patience;
-  set_tolerance(one_step, of_release);
+  set_tolerance(one_cycle(adjoint), of_release);
   for (int sweep = 1; sweep <= most_sweeps; ++sweep) {
     if (patience.is_lost()) set_tolerance({closer}, closer);
     forces(unknowns, forces_);
@@ -156,7 +180,10 @@ int PlasticIteration::solve(LaneVector& unknowns, const Forces& forces, bool adj
     patience.add(norms.step);
     const double all_square = square_ + norms.x * norms.x;
     if (!std::isfinite(norms.step + norms.x)) break;
-    if (norms.step > change * std::sqrt(all_square)) continue;
+    const double limit = change * std::sqrt(all_square);
+    const bool is_enough = norms.step <= std::max(change, as_rounding_leaves) * std::sqrt(all_square);
+    if (norms.step > limit && !(is_enough && patience.is_stuck())) continue;
+    if (norms.step > limit) warn_of_rounding(norms.step / std::sqrt(all_square), change);
     square_ = all_square;
     steps_ += wave_.count;
     return sweep;

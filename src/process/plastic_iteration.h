@@ -49,6 +49,7 @@ class PlasticIteration {
   void correct(bool adjoint);
   Anderson make_anderson() const;
   std::vector<float> leveled_weights(const LaneVector& unknowns) const;
+  void warn_of_rounding(double reached, double change) const;
 
   StepSystems<3>& systems_;
   Release<3>* release_;

@@ -203,7 +203,8 @@ void run_simulate(const CommandLine& command_line, const Setup<Dim>& setup, Phas
   if (repaired) simulation.repair = std::move(repaired->repair);
 
   write_fields(setup, directory, last, simulation);
-  const Json record = to_record(setup, simulation, {timer.seconds(), MPI_Wtime() - start});
+  Json record = to_record(setup, simulation, {timer.seconds(), MPI_Wtime() - start});
+  record["solver_iterations"] = to_record(last.iterations());
   directory.write("summary.json", to_text(record, 2) + "\n");
   print(last.process().description());
   print_numbers(setup, simulation);

@@ -81,6 +81,16 @@ class PlasticTest(FabseqTest):
         expected = self.values(1, config, "-set", "solver.path=reference", "-tolerance", "1e-6")
         self.assert_same(self.values(1, config, "-tolerance", "1e-6"), expected, 1e-5)
 
+    def test_rounding_moves_pieces_that_hang(self):
+        """Sweeps cannot bring them closer to rest: evaluations, which are to be exact, end all the same."""
+        config = with_hanging_piece()
+        expected = self.values(1, config, "-tolerance", "1e-6")
+        run = self.run_config(1, config, "-task", "evaluate")
+        self.assert_done(run)
+        self.assertIn("rounding moves what hangs in the air", run.stderr)
+        self.assert_same({"distortion": run.json("evaluation.json")["responses"][0]["value"]},
+                         {"distortion": next(iter(expected.values()))}, 1e-5)
+
     def test_ranks_groups_and_lanes(self):
         for heated in distinct(False, True):
             config = flowing(0.002, heated)
