@@ -46,8 +46,8 @@ Tolerances RunState<Dim>::tolerances() const {
     result.judged.of_sequence =
         sequence_tolerance({std::min(result.primal.value, result.judged.value)}).value;
   }
-  constexpr double usual = 0.1, at_the_end = 0.01, for_comparison = 0.001;
-  result.primal.flow = result.adjoint.flow = continuation.near_the_end(iteration) ? at_the_end : usual;
+  constexpr double of_sweeps = 0.01, for_comparison = 0.001;
+  result.primal.flow = result.adjoint.flow = of_sweeps;
   result.judged.flow = for_comparison;
   return result;
 }
