@@ -23,7 +23,7 @@ constexpr double closer = 0.01, closer_adjoint = 0.001;
 /// Closeness of the solves of a sweep, each one cycle but where pieces hang, beside which one step is enough.
 /// Closer ones save no sweeps (docs/developer/experiments.md).
 constexpr SolveTolerance one_cycle(bool adjoint) {
-  return {.value = 0.5, .reach = 4.0, .of_islands = adjoint ? closer_adjoint : closer, .one_cycle = true};
+  return {.value = 0.5, .reach = 4.0, .of_islands = adjoint ? closer_adjoint : closer, .correction = true};
 }
 /// The same of the release, which has no reach.
 constexpr double of_release = 0.3;
@@ -169,7 +169,7 @@ int PlasticIteration::solve(LaneVector& unknowns, const Forces& forces, bool adj
   Patience patience;
   set_tolerance(one_cycle(adjoint), of_release);
   for (int sweep = 1; sweep <= most_sweeps; ++sweep) {
-    if (patience.is_lost()) set_tolerance({closer}, closer);
+    if (patience.is_lost()) set_tolerance({.value = closer, .correction = true}, closer);
     forces(unknowns, forces_);
     correct(adjoint);
     if (sweep == 1) {

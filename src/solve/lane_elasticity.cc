@@ -21,6 +21,7 @@ LaneElasticity<Dim>::LaneElasticity(const Grid<Dim>& grid, const SystemDomain& d
       domain_(domain),
       problem_(grid.domain().thickness, poisson),
       reference_settings_(reference),
+      max_iterations_(max_iterations),
       stop_{.tolerance = reference.tolerance, .max_iterations = max_iterations},
       hierarchy_(grid, domain),
       layout_(grid, hierarchy_.level(0), Dim),
@@ -84,8 +85,10 @@ std::vector<std::vector<SolveReport>> LaneElasticity<Dim>::solve_from(FirstGuess
   }
   for (std::size_t set = 0; set < loads.size(); ++set)
     for (int lane = 0; lane < lanes_; ++lane)
-      if (!reports[set][lane].converged && std::isfinite(reports[set][lane].residual))
-        solve_again(loads[set], displacements[set], lane, reports[set][lane]);
+      if (SolveReport& report = reports[set][lane]; !report.converged && std::isfinite(report.residual)) {
+        report.converged = is_correction_;
+        if (!report.converged) solve_again(loads[set], displacements[set], lane, report);
+      }
   return reports;
 }
 
@@ -185,7 +188,9 @@ void LaneElasticity<Dim>::set_tolerance(const SolveTolerance& tolerance) {
   stop_.tolerance = tolerance.value;
   stop_.reach = tolerance.reach;
   stop_.of_islands = tolerance.of_islands;
-  stop_.one_cycle = tolerance.one_cycle;
+  stop_.one_cycle = tolerance.correction && tolerance.reach > 1.0;
+  is_correction_ = tolerance.correction;
+  stop_.max_iterations = tolerance.correction ? std::min(correction_steps, max_iterations_) : max_iterations_;
   if (fallback_) fallback_->set_tolerance(tolerance);
 }
 

@@ -67,6 +67,8 @@ class LaneElasticity : public ElasticitySolver<Dim> {
   const SystemDomain& domain_;
   LaneElasticityProblem<Dim> problem_;
   AssembledSolverSettings reference_settings_;
+  int max_iterations_;
+  bool is_correction_ = false;  ///< what is left of a solve is no failure
   LaneStop stop_;
   LaneHierarchy<Dim> hierarchy_;
   LaneLayout<Dim> layout_;

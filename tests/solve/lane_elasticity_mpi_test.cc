@@ -74,6 +74,24 @@ TYPED_TEST(LaneElasticityTest, GoesToTheToleranceThatWasSetLast) {
   test::expect_solved(layered, displacement, fine, test::v_displacements<TypeParam::value>());
 }
 
+/// An outer iteration goes on with what corrections leave, which the reference path need not solve again.
+TYPED_TEST(LaneElasticityTest, CorrectionsEndSoon) {
+  auto settings = test::v_settings<TypeParam::value>();
+  settings.beta = 200.0;
+  settings.wave = 0.3;
+  const test::LayeredCase<TypeParam::value> layered(settings);
+  auto lanes = layered.lanes();
+  LaneVector displacement = layered.zeros();
+  lanes.set_operators(0, settings.layers, layered.stiffness, true);
+  lanes.set_tolerance({.value = 1e-30, .correction = true});
+  const auto reports = lanes.solve({&layered.load, 1}, {&displacement, 1});
+  for (const SolveReport& report : reports[0]) {
+    EXPECT_TRUE(report.converged);
+    EXPECT_LE(report.iterations, correction_steps);
+  }
+  EXPECT_GT(test::largest(displacement.values), 0.0);
+}
+
 TYPED_TEST(LaneElasticityTest, PlatesCanBeOnAllFaces) {
   constexpr int Dim = TypeParam::value;
   Index<Dim> odd;

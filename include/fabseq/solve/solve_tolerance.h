@@ -19,8 +19,10 @@ struct SolveTolerance {
   /// The value where stiff pieces hang in soft surroundings (LaneStop::of_islands); 0: the same. The
   /// reference path, which looks for none, takes the smaller of both.
   double of_islands = 0.0;
-  /// LaneStop::one_cycle. The reference path stops at the value.
-  bool one_cycle = false;
+  /// Whether solves are corrections of an outer iteration, which goes on with what they leave: at most
+  /// `correction_steps`; with a reach above 1, and where no piece hangs, one cycle (LaneStop::one_cycle). The
+  /// reference path stops at the value.
+  bool correction = false;
   /// The value for the sequence's own equation, which begins with its last solution then; 0: a thousandth of
   /// the value.
   double of_sequence = 0.0;
@@ -29,6 +31,9 @@ struct SolveTolerance {
   /// Not below what rounding leaves.
   double flow_change() const { return flow > 0.0 ? flow : std::max(0.1 * value, 1e-11); }
 };
+
+/// Steps of a correction at most.
+constexpr int correction_steps = 40;
 
 /// Conjugate gradients stop making progress below this.
 constexpr double smallest_tolerance = 1e-13;
