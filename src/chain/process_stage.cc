@@ -82,8 +82,8 @@ constexpr double state_bytes = 176.0, dual_bytes = 168.0;
 constexpr double sweep_bytes = 120.0;
 /// Seconds per unknown and step on one core, with the sweeps of an iteration that begins from the last
 /// design's state: forward and of an adjoint, at one temperature and with those of the layers.
-constexpr double flow_seconds = 2.1e-7, flow_adjoint_seconds = 1.9e-7, heated_seconds = 4.5e-7,
-                 heated_adjoint_seconds = 8.5e-7;
+constexpr double flow_seconds = 2.7e-7, flow_adjoint_seconds = 1.1e-7, heated_seconds = 7e-7,
+                 heated_adjoint_seconds = 6e-7;
 
 /// Adds what a material that flows takes to the memory of a linear process, and sets its time.
 StageCost with_flow(StageCost cost, const RunSize& size, int groups, int lanes) {

@@ -47,6 +47,10 @@ std::vector<int> possible_groups(int ranks) {
   return result;
 }
 
+/// Groups that are worth it at most. Where material flows they exchange the histories of all elements in each
+/// sweep: two of a rank each take 1.75 times as long as one of two ranks (docs/developer/experiments.md).
+int most_groups(const RunSize& size) { return size.flow_steps > 0 ? 1 : size.layers; }
+
 template <int Dim>
 std::string explain(const ModelSettings& settings, const RunSize& size, int groups, double available,
                     std::optional<int> fastest) {
@@ -96,7 +100,7 @@ GroupChoice fastest_choice(const ModelSettings& settings, const RunSize& size, d
                          relative_time_estimate(size, settings.solver.path, *other);
   };
   for (const int groups : possible_groups(size.ranks)) {
-    if (groups > size.layers) break;
+    if (groups > most_groups(size)) break;
     if (is_faster(groups, fastest)) fastest = groups;
     const bool fits = memory_estimate(size, settings.solver.path, groups, wanted_lanes(settings.solver)) <=
                       usable_memory * available;

@@ -35,7 +35,7 @@ void PlasticExchange::run(const PlasticWave& wave, std::span<const LaneVector* c
   for (std::size_t k = 0; lanes > 0 && k < fields.size(); ++k)
     values[k] = nodes_.values(*fields[k], ghosted_[k]);
   std::span<double> sum;
-  if (forces != nullptr && lanes > 0) sum = nodes_.begin_forces(lanes, *forces, ghosted_forces_);
+  if (forces != nullptr) sum = nodes_.begin_forces(lanes, *forces, ghosted_forces_);
   std::vector<std::vector<double>> blocks(lanes > 0 ? 1 : 0);
   for (const PlasticBatches::Chunk& chunk : batches_.chunks()) {
     std::optional<StepTranspose> transpose;

@@ -169,7 +169,8 @@ int PlasticIteration::solve(LaneVector& unknowns, const Forces& forces, bool adj
   Patience patience;
   set_tolerance(one_cycle(adjoint), of_release);
   for (int sweep = 1; sweep <= most_sweeps; ++sweep) {
-    if (patience.is_lost()) set_tolerance({.value = closer, .correction = true}, closer);
+    if (patience.is_lost())
+      set_tolerance({.value = adjoint ? closer_adjoint : closer, .correction = true}, closer);
     forces(unknowns, forces_);
     correct(adjoint);
     if (sweep == 1) {
