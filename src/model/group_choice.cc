@@ -48,7 +48,7 @@ std::vector<int> possible_groups(int ranks) {
 }
 
 /// Groups that are worth it at most. Where material flows they exchange the histories of all elements in each
-/// sweep: two of a rank each take 1.75 times as long as one of two ranks (docs/developer/experiments.md).
+/// sweep: two of a rank each take twice as long as one of two ranks (docs/developer/experiments.md).
 int most_groups(const RunSize& size) { return size.flow_steps > 0 ? 1 : size.layers; }
 
 template <int Dim>
