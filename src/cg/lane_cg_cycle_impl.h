@@ -31,9 +31,9 @@ std::vector<LaneOutcome> LaneCg<Problem, Width>::cycle_once(LaneArray& load, Lan
   sum_in_place(matrix_->level().comm, std::span<double>(sums.front().data(), Width + 1));
   if (sums[1][0] > 0.0) throw_stopped(matrix_->level().comm);
   std::vector<LaneOutcome> outcome(static_cast<std::size_t>(lanes));
-  for (int lane = 0; lane < Width; ++lane) {
+  for (int lane = 0; lane < Width; ++lane)
     scales[lane] = lane < lanes && positive(lane) ? 1.0 / scales[lane] : 0.0;
-    if (lane >= lanes) continue;
+  for (int lane = 0; lane < lanes; ++lane) {
     outcome[lane].iterations = 1;
     outcome[lane].finite = std::isfinite(sums[0][lane]);
     outcome[lane].converged = outcome[lane].finite;

@@ -54,18 +54,13 @@ void add_products(const double* first, const double* second, const Real* values,
   }
 }
 
-}  // namespace
-
-/// Entries that are gone through at a time.
-struct Anderson::Piece {
-  std::size_t begin, length;
-};
-
+/// Calls f(first entry, number of entries) for one piece after the other.
 template <class Function>
-void Anderson::for_each_piece(std::size_t entries, Function&& f) {
-  for (std::size_t begin = 0; begin < entries; begin += piece)
-    f(Piece{begin, std::min(piece, entries - begin)});
+void for_each_piece(std::size_t entries, Function&& f) {
+  for (std::size_t begin = 0; begin < entries; begin += piece) f(begin, std::min(piece, entries - begin));
 }
+
+}  // namespace
 
 void Anderson::start(std::span<const float> weights) {
   weights_ = weights;
@@ -75,24 +70,25 @@ void Anderson::start(std::span<const float> weights) {
   products_.assign(depth_ * depth_, 0.0);
 }
 
-/// Makes the place of the newest change: that of the oldest one, if there are enough.
+/// Finds memory for the newest change. Once there are as many as the depth says, the oldest one is given up.
 void Anderson::make_room(std::size_t entries) {
   newest_ = count_ < depth_ ? count_++ : (newest_ + 1) % depth_;
   changes_[newest_].step.resize(entries);
   changes_[newest_].both.resize(entries);
 }
 
-/// Goes through a piece of the step, whose weighted products are set; keeps what has changed, if a step came
-/// before.
-void Anderson::begin_piece(const Piece& at, const double* step, double* of_newest, double* of_step) {
+/// Sets the weighted products of a piece of the step and, if a step came before, the newest change and its
+/// weighted products.
+void Anderson::begin_piece(std::size_t begin, std::span<const double> step, double* of_newest,
+                           double* of_step) {
   const bool keeps = count_ > 0;
-  float* change = keeps ? &changes_[newest_].step[at.begin] : nullptr;
-  float* both = keeps ? &changes_[newest_].both[at.begin] : nullptr;
-  const float *weights = &weights_[at.begin], *last_step = keeps ? &last_step_[at.begin] : nullptr,
-              *last_move = keeps ? &last_move_[at.begin] : nullptr;
-  for_each_lanes(at.length, [&]<int Width>(std::size_t i) {
+  float* change = keeps ? &changes_[newest_].step[begin] : nullptr;
+  float* both = keeps ? &changes_[newest_].both[begin] : nullptr;
+  const float *weights = &weights_[begin], *last_step = keeps ? &last_step_[begin] : nullptr,
+              *last_move = keeps ? &last_move_[begin] : nullptr;
+  for_each_lanes(step.size(), [&]<int Width>(std::size_t i) {
     using Value = Lanes<Width>;
-    const auto weight = Value::load(weights + i), own = Value::load(step + i);
+    const auto weight = Value::load(weights + i), own = Value::load(&step[i]);
     (weight * own).store(of_step + i);
     if (!keeps) return;
     (own - Value::load(last_step + i)).store(change + i);
@@ -102,39 +98,29 @@ void Anderson::begin_piece(const Piece& at, const double* step, double* of_newes
   });
 }
 
-/// This rank's part.
-Anderson::Sums Anderson::products(const std::vector<double>& step) {
-  Sums result{std::vector<double>(count_, 0.0), std::vector<double>(count_, 0.0)};
-  std::vector<double> of_newest(piece), of_step(piece);
-  for_each_piece(step.size(), [&](const Piece& at) {
-    begin_piece(at, &step[at.begin], of_newest.data(), of_step.data());
+/// Weighted products: of the newest change with each change, of the step with each, of the step with itself.
+/// Collective.
+std::vector<double> Anderson::products(const std::vector<double>& step) {
+  std::vector<double> result(2 * count_ + 1, 0.0), of_newest(piece), of_step(piece);
+  for_each_piece(step.size(), [&](std::size_t begin, std::size_t length) {
+    begin_piece(begin, {&step[begin], length}, of_newest.data(), of_step.data());
     for (std::size_t k = 0; k < count_; ++k)
-      add_products(of_newest.data(), of_step.data(), &changes_[k].step[at.begin], at.length, result.newest[k],
-                   result.step[k]);
+      add_products(of_newest.data(), of_step.data(), &changes_[k].step[begin], length, result[k],
+                   result[count_ + k]);
     double unused = 0.0;
-    add_products(of_newest.data(), of_step.data(), &step[at.begin], at.length, unused, result.square);
+    add_products(of_newest.data(), of_step.data(), &step[begin], length, unused, result.back());
   });
+  sum_in_place(comm_, std::span<double>(result));
   return result;
 }
 
-/// Adds up the parts of all ranks. Collective.
-void Anderson::reduce(Sums& sums) const {
-  std::vector<double> all = sums.newest;
-  all.insert(all.end(), sums.step.begin(), sums.step.end());
-  all.push_back(sums.square);
-  sum_in_place(comm_, std::span<double>(all));
-  const auto count = static_cast<std::ptrdiff_t>(sums.newest.size());
-  std::copy_n(all.begin(), count, sums.newest.begin());
-  std::copy_n(all.begin() + count, count, sums.step.begin());
-  sums.square = all.back();
-}
-
 /// Factors of the changes.
-std::vector<double> Anderson::factors(const Sums& sums) {
+std::vector<double> Anderson::factors(std::span<const double> products) {
   const std::size_t count = count_;
-  std::vector<double> matrix(count * count), right = sums.step;
+  const std::span<const double> of_step = products.subspan(count, count);
+  std::vector<double> matrix(count * count), right(of_step.begin(), of_step.end());
   for (std::size_t k = 0; k < count; ++k)
-    products_[newest_ * depth_ + k] = products_[k * depth_ + newest_] = sums.newest[k];
+    products_[newest_ * depth_ + k] = products_[k * depth_ + newest_] = products[k];
   double largest = 0.0;
   for (std::size_t i = 0; i < count; ++i) largest = std::max(largest, products_[i * depth_ + i]);
   for (std::size_t i = 0; i < count; ++i) {
@@ -152,30 +138,30 @@ std::vector<double> Anderson::factors(const Sums& sums) {
 Anderson::Norms Anderson::advance(std::vector<double>& x, const std::vector<double>& step) {
   const std::size_t entries = step.size();
   if (has_last_) make_room(entries);
-  Sums sums = products(step);
-  reduce(sums);
-  const std::vector<double> factor = factors(sums);
+  const std::vector<double> sums = products(step), factor = factors(sums);
   last_step_.resize(entries);
   last_move_.resize(entries);
   has_last_ = true;
   double x_square = 0.0;
-  for_each_piece(entries,
-                 [&](const Piece& at) { x_square += move(at, factor, &step[at.begin], &x[at.begin]); });
-  return {std::sqrt(sums.square), std::sqrt(sum(comm_, x_square))};
+  for_each_piece(entries, [&](std::size_t begin, std::size_t length) {
+    x_square += move(begin, factor, {&step[begin], length}, &x[begin]);
+  });
+  return {std::sqrt(sums.back()), std::sqrt(sum(comm_, x_square))};
 }
 
 /// Moves a piece of x. Returns its square.
-double Anderson::move(const Piece& at, std::span<const double> factors, const double* step, double* x) {
-  const float* weights = &weights_[at.begin];
-  float *last_step = &last_step_[at.begin], *last_move = &last_move_[at.begin];
+double Anderson::move(std::size_t begin, std::span<const double> factors, std::span<const double> step,
+                      double* x) {
+  const float* weights = &weights_[begin];
+  float *last_step = &last_step_[begin], *last_move = &last_move_[begin];
   double result = 0.0;
   auto squares = Lanes<8>::zero();
-  for_each_lanes(at.length, [&]<int Width>(std::size_t i) {
+  for_each_lanes(step.size(), [&]<int Width>(std::size_t i) {
     using Value = Lanes<Width>;
-    const auto of_step = Value::load(step + i);
+    const auto of_step = Value::load(&step[i]);
     Value way = of_step;
     for (std::size_t k = 0; k < factors.size(); ++k)
-      way = way - Value::load(&changes_[k].both[at.begin + i]) * factors[k];
+      way = way - Value::load(&changes_[k].both[begin + i]) * factors[k];
     const auto moved = Value::load(x + i) + way, square = moved * moved * Value::load(weights + i);
     moved.store(x + i);
     of_step.store(last_step + i);

@@ -34,20 +34,11 @@ class Anderson {
     LaneValues<float> step;  ///< of z
     LaneValues<float> both;  ///< of x + z
   };
-  /// Sums of weighted products of a step, and of the newest change, with what is combined.
-  struct Sums {
-    std::vector<double> newest, step;  ///< with each change
-    double square = 0.0;               ///< of the step
-  };
-  struct Piece;
-  template <class Function>
-  static void for_each_piece(std::size_t entries, Function&& f);
   void make_room(std::size_t entries);
-  void begin_piece(const Piece& at, const double* step, double* of_newest, double* of_step);
-  Sums products(const std::vector<double>& step);
-  void reduce(Sums& sums) const;
-  std::vector<double> factors(const Sums& sums);
-  double move(const Piece& at, std::span<const double> factors, const double* step, double* x);
+  void begin_piece(std::size_t begin, std::span<const double> step, double* of_newest, double* of_step);
+  std::vector<double> products(const std::vector<double>& step);
+  std::vector<double> factors(std::span<const double> products);
+  double move(std::size_t begin, std::span<const double> factors, std::span<const double> step, double* x);
 
   MPI_Comm comm_;
   std::size_t depth_;

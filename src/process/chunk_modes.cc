@@ -132,7 +132,6 @@ void ChunkModes::set_histories(const PlasticBatches::Chunk& chunk, std::span<con
   histories.resize(chunk.batches() * of_batch);
   for_lane_chunks(lanes, [&]<int Width>(int first) {
     Batch<Width> batch;
-    for (auto& modes : batch) modes.fill(Lanes<Width>::zero());
     for_each_batch(chunk, [&](std::size_t element, std::size_t count, std::size_t number) {
       for (std::size_t e = 0; e < count; ++e) batch[e] = modes_at<Width>(element + e, values, lanes, first);
       for (std::size_t e = count; e < plastic_width; ++e) batch[e].fill(Lanes<Width>::zero());

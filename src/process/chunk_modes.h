@@ -11,9 +11,10 @@
 
 namespace fabseq {
 
-/// Modes of a chunk's elements from the displacements of a block of steps, and nodal forces from modes. Modes
-/// are those of a block, [element][ElementModes][step], or, if all elements of the chunk are this rank's own,
-/// histories, [batch][step][ElementModes][element of the batch]. Local, unless a call says otherwise.
+/// Modes of a chunk's elements from the displacements of a block of steps, and nodal forces from modes. A
+/// *block* has modes as [element][ElementModes][step]. *Histories* have them as [batch][step][ElementModes]
+/// [element of the batch]; they need a rank that finds the histories of all its elements itself. Local,
+/// unless a call says otherwise.
 class ChunkModes {
  public:
   /// The model must outlive the object.
@@ -29,8 +30,8 @@ class ChunkModes {
   void set_histories(const PlasticBatches::Chunk& chunk, std::span<const double> values, int lanes,
                      std::vector<double>& histories) const;
 
-  /// Begins a sum of forces on all owned nodes, zero: returns that to which those of chunks are added, the
-  /// result itself or `ghosted`.
+  /// Begins a sum of forces on all owned nodes. Returns zeros, to which add_block() and add_histories() add:
+  /// the values of `forces`, or `ghosted` where the grid has several ranks.
   std::span<double> begin_forces(int lanes, LaneVector& forces, std::vector<double>& ghosted) const;
   void add_block(const PlasticBatches::Chunk& chunk, std::span<const double> modes, int lanes,
                  std::span<double> forces) const;

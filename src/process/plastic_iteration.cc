@@ -19,11 +19,11 @@ constexpr int most_sweeps = 300;  ///< over a wave
 /// Closeness where one cycle is too little: it hardly moves a piece that hangs in what is not built yet, and
 /// sweeps would end because of that. The adjoint of such a step, 1e5 times as large as others, is a load of
 /// the steps before it, which ten times the error would bury.
-constexpr double closer = 0.01, closer_adjoint = 0.001;
+constexpr double closer(bool adjoint) { return adjoint ? 0.001 : 0.01; }
 /// Closeness of the solves of a sweep, each one cycle but where pieces hang, beside which one step is enough.
 /// Closer ones save no sweeps (docs/developer/experiments.md).
 constexpr SolveTolerance one_cycle(bool adjoint) {
-  return {.value = 0.5, .reach = 4.0, .of_islands = adjoint ? closer_adjoint : closer, .correction = true};
+  return {.value = 0.5, .reach = 4.0, .of_islands = closer(adjoint), .correction = true};
 }
 /// The same of the release, which has no reach.
 constexpr double of_release = 0.3;
@@ -170,7 +170,7 @@ int PlasticIteration::solve(LaneVector& unknowns, const Forces& forces, bool adj
   set_tolerance(one_cycle(adjoint), of_release);
   for (int sweep = 1; sweep <= most_sweeps; ++sweep) {
     if (patience.is_lost())
-      set_tolerance({.value = adjoint ? closer_adjoint : closer, .correction = true}, closer);
+      set_tolerance({.value = closer(adjoint), .correction = true}, closer(/*adjoint=*/false));
     forces(unknowns, forces_);
     correct(adjoint);
     if (sweep == 1) {
@@ -179,12 +179,11 @@ int PlasticIteration::solve(LaneVector& unknowns, const Forces& forces, bool adj
     }
     const Anderson::Norms norms = anderson_.advance(unknowns.values, step_.values);
     patience.add(norms.step);
-    const double all_square = square_ + norms.x * norms.x;
+    const double all_square = square_ + norms.x * norms.x, size = std::sqrt(all_square);
     if (!std::isfinite(norms.step + norms.x)) break;
-    const double limit = change * std::sqrt(all_square);
-    const bool is_enough = norms.step <= std::max(change, as_rounding_leaves) * std::sqrt(all_square);
-    if (norms.step > limit && !(is_enough && patience.is_stuck())) continue;
-    if (norms.step > limit) warn_of_rounding(norms.step / std::sqrt(all_square), change);
+    const double allowed = patience.is_stuck() ? std::max(change, as_rounding_leaves) : change;
+    if (norms.step > allowed * size) continue;
+    if (norms.step > change * size) warn_of_rounding(norms.step / size, change);
     square_ = all_square;
     steps_ += wave_.count;
     return sweep;
