@@ -117,6 +117,7 @@ GroupChoice likely_choice(const ModelSettings& settings, int ranks, double cores
   for (const int elements : settings.domain<Dim>().elements) least.nodes *= elements + 1.0;
   least.dimension = Dim;
   least.layers = settings.layers.count.value_or(ranks * widest_block);
+  least.flow_steps = flow_steps(settings, least.layers);
   least.ranks = ranks;
   least.cores_per_rank = cores_per_rank;
   return {fastest_choice<Dim>(settings, least, available).groups, ""};

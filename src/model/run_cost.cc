@@ -66,12 +66,16 @@ RunSize run_size(const ModelSettings& settings, const Part<Dim>& part, const Res
   if (settings.thermal)
     size.temperature_steps =
         layers * ThermalProperties(*settings.thermal, settings.material, settings.process).steps();
-  if (settings.process.model == ProcessModel::elastoplastic)
-    size.flow_steps = settings.thermal ? 2 * layers + 1 : layers;
+  size.flow_steps = flow_steps(settings, layers);
   size.warm = !settings.solver.tolerance;
   size.cases = static_cast<int>(strain_cases<Dim>(settings.material).cases.size());
   size.functionals = functional_count(settings, objective);
   return size;
+}
+
+int flow_steps(const ModelSettings& settings, int layers) {
+  if (settings.process.model == ProcessModel::linear) return 0;
+  return settings.thermal ? 2 * layers + 1 : layers;
 }
 
 BlockSolver block_solver(SolverPath path) {

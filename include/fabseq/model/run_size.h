@@ -23,6 +23,9 @@ struct RunSize {
   double cores_per_rank = 1.0;  ///< at most 1 (NodeCores::per_rank())
 };
 
+/// RunSize::flow_steps.
+int flow_steps(const ModelSettings& settings, int layers);
+
 /// Whether the optimizer gets a term as its squares. Where the material flows each square costs an adjoint:
 /// then the user has to ask for them.
 template <int Dim>
