@@ -8,12 +8,12 @@ plastic flow, and prints a table of what plastic flow says of the layers of both
 
 Two runs of one start are a pair. A length is the root mean square of the skin's distance from the drawing,
 of binary layers after the release, simulated with plastic flow. Median and worst are over the starts. The
-ratio's mean logarithm has its standard error; p is that of Wilcoxon's signed-rank test that the logarithms
-lie about 0. Flow is that of mild steel at a strain of 1 %, unless options say otherwise. A run that was
-interrupted goes on where it was, one that is done is only looked at again; --table runs nothing.
+ratio column is the mean over the pairs of the logarithm of the length with flow over the linear one, and the
+standard error of this mean; p is the p value of Wilcoxon's signed-rank test that they lie about 0.
+Flow has the yield stress and hardening of mild steel at a strain of 1 %, unless options say otherwise. A run
+that was interrupted goes on where it was, one that is done is only looked at again; --table runs nothing.
 """
 
-import math
 import os
 import statistics
 
@@ -26,12 +26,11 @@ from fabseq_tools.study.comparison import BINARY
 
 from built import parse_cases, parser_of_cases, rounds_of
 from optimized_with_flow import FLOW, MODELS
-from scipy import stats
-from tolerances import print_table
+from tolerances import class_cell, print_table, ratio_cells
 
 STEEL = {"material.yield_stress": 0.0019, "material.hardening": 0.0017}
-HEAD = ("part", "pairs", "median, linear", "with flow", "worst, linear", "with flow", "flow over linear", "flow longer", "p",
-        "class better, worse")
+HEAD = ("part", "pairs", "median, linear", "with flow", "worst, linear", "with flow", "flow over linear", "flow longer",
+        "p", "class better, worse")
 
 
 def main():
@@ -61,13 +60,10 @@ def judged(rounds, place, start, name, model):
 
 def row_of(part, pairs, are_alike=True):
     """`are_alike`: whether lengths of different pairs compare."""
-    logarithms = [math.log(flow[0] / linear[0]) for linear, flow in pairs]
-    error = statistics.stdev(logarithms) / math.sqrt(len(logarithms))
-    lengths = [[pair[model][0] for pair in pairs] for model in range(2)]
-    figures = [number(figure(of_model)) if are_alike else "–" for figure in (statistics.median, max) for of_model in lengths]
-    return [part, str(len(pairs)), *figures, f"{statistics.mean(logarithms):+.3f} ± {error:.3f}",
-            str(sum(value > 0 for value in logarithms)), f"{stats.wilcoxon(logarithms).pvalue:.2f}",
-            f"{sum(flow[1] < linear[1] for linear, flow in pairs)}, {sum(flow[1] > linear[1] for linear, flow in pairs)}"]
+    lengths, ranks = ([[end[which] for end in pair] for pair in pairs] for which in range(2))
+    figures = [number(figure(of_model)) if are_alike else "–"
+               for figure in (statistics.median, max) for of_model in zip(*lengths)]
+    return [part, str(len(pairs)), *figures, *ratio_cells(lengths), class_cell(ranks)]
 
 
 if __name__ == "__main__":

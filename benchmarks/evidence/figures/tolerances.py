@@ -89,15 +89,26 @@ def rows(part, ends):
 def pair_row(part, parts):
     """How the second tolerance compares with the first, in pairs of all these parts."""
     first, second = ([end for ends in parts for end in ends[tolerance]] for tolerance in TOLERANCES)
-    logarithms = [math.log(two.length / one.length) for one, two in zip(first, second)]
-    error = statistics.stdev(logarithms) / math.sqrt(len(logarithms))
-    better = sum(two.rank < one.rank for one, two in zip(first, second))
-    worse = sum(two.rank > one.rank for one, two in zip(first, second))
-    return [part, str(len(first)), f"{statistics.mean(logarithms):+.3f} ± {error:.3f}",
-            str(sum(value > 0 for value in logarithms)), f"{stats.wilcoxon(logarithms).pvalue:.2f}",
-            over(parts, statistics.median), over(parts, max), f"{better}, {worse}",
+    lengths = [(one.length, two.length) for one, two in zip(first, second)]
+    ranks = [(one.rank, two.rank) for one, two in zip(first, second)]
+    return [part, str(len(first)), *ratio_cells(lengths), over(parts, statistics.median), over(parts, max),
+            class_cell(ranks),
             f"{sum(end.forward + end.adjoint for end in second) / sum(end.forward + end.adjoint for end in first):.2f}",
             f"{statistics.median(two.seconds / one.seconds for one, two in zip(first, second)):.2f}"]
+
+
+def ratio_cells(pairs):
+    """Mean logarithm of the second length over the first with its standard error, how often the second is
+    longer, and p of Wilcoxon's signed-rank test."""
+    logarithms = [math.log(second / first) for first, second in pairs]
+    error = statistics.stdev(logarithms) / math.sqrt(len(logarithms))
+    return [f"{statistics.mean(logarithms):+.3f} ± {error:.3f}", str(sum(value > 0 for value in logarithms)),
+            f"{stats.wilcoxon(logarithms).pvalue:.2f}"]
+
+
+def class_cell(pairs):
+    """How often the second rank is better than the first, and worse."""
+    return f"{sum(second < first for first, second in pairs)}, {sum(second > first for first, second in pairs)}"
 
 
 def over(parts, figure):

@@ -188,8 +188,9 @@ class LayeredPart:
         return (values - layer.lower) / (layer.upper - layer.lower)
 
     def judged_beads(self, layer, points):
-        """Axes and heights of beads of a layer at points. Planar layers have those of their planes, others
-        those that the check has found in the elements around; None without a check."""
+        """Returns the axes and heights of a layer's beads at points. In planar layers all beads have the
+        planes' normal and distance. In others the check has found axes and heights in the elements around;
+        without a check the method returns None."""
         if layer.direction is not None:
             return np.tile(layer.direction, (len(points), 1)), np.full(len(points), layer.upper - layer.lower)
         if self.judged.range(layer.number) is None:

@@ -45,7 +45,8 @@ from fabseq_tools.plot.virtual_display import ensure_display
 from fabseq_tools.run.command_line import RunError, count, parse, parser_of, require_program, run_program, write_json
 from fabseq_tools.run.machine import HELP, OPTION, config_with_machine, settings_for
 from fabseq_tools.run.places import PROGRAM
-from fabseq_tools.run.read_run import passes_entry, read_config, read_fields, read_json, slab_thickness, target_thickness
+from fabseq_tools.run.read_run import (passes_entry, read_config, read_fields, read_json, slab_thickness,
+                                       target_thickness)
 from fabseq_tools.run.verdict_words import class_of, in_short, verdict_of
 
 COMMAND = "orient"

@@ -6,6 +6,8 @@ import os
 import h5py
 import numpy as np
 
+from fabseq_tools.geometry.grid import refined
+
 
 def finer_settings(bricks, path):
     """Settings of a simulation of the same part and layers, each element as 2x2x2; writes both to `path`."""
@@ -16,9 +18,7 @@ def finer_settings(bricks, path):
         file["density"] = (layer > 0).astype(float)
         file["time"] = (np.maximum(layer, 1) - 0.5) / bricks.layers  # void and substrate have no time
     path = os.path.abspath(path)
-    domain = {key: value for key, value in bricks.config["domain"].items() if key in ("size", "origin", "unit")}
-    return {"domain": domain | {"elements": [2 * count for count in bricks.grid.shape[::-1]]},
-            "part": {"voxels": {"file": path}},
+    return {"domain": refined(bricks.config["domain"], 2), "part": {"voxels": {"file": path}},
             "layers": {"type": "curved", "count": bricks.layers},
             "sequence": {"type": "file", "file": path, "dataset": "time"}}
 
