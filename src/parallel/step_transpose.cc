@@ -1,12 +1,22 @@
 // SPDX-License-Identifier: MIT
 #include "fabseq/parallel/step_transpose.h"
 
+#include "fabseq/base/mpi_struct.h"
+
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace fabseq {
 
 namespace {
+
+std::vector<StepTranspose::Range> shares_of(const LayerGroups& groups, std::size_t nodes) {
+  std::vector<StepTranspose::Range> result;
+  for (int group = 0; group < groups.count(); ++group)
+    result.push_back({groups.first_of_share(nodes, group), groups.first_of_share(nodes, group + 1)});
+  return result;
+}
 
 std::vector<int> starts_of(const std::vector<int>& counts) {
   std::vector<int> starts(counts.size());
@@ -18,105 +28,59 @@ std::size_t total(const std::vector<int>& counts) {
   return std::accumulate(counts.begin(), counts.end(), std::size_t{0});
 }
 
-/// Sends `outgoing` to the copies, and returns what they send.
-std::vector<double> exchange(const LayerGroups& groups, const std::vector<double>& outgoing,
-                             const std::vector<int>& sent, const std::vector<int>& received) {
-  std::vector<double> incoming(total(received));
-  MPI_Alltoallv(outgoing.data(), sent.data(), starts_of(sent).data(), MPI_DOUBLE, incoming.data(),
-                received.data(), starts_of(received).data(), MPI_DOUBLE, groups.across());
-  return incoming;
-}
-
 }  // namespace
 
-StepTranspose::StepTranspose(const LayerGroups& groups, const StepDeal& deal, std::size_t elements,
-                             int components, std::size_t most)
-    : groups_(groups), deal_(deal.blocks), elements_(elements), components_(components) {
-  for (const std::vector<StepBlock>& blocks : deal_) {
-    steps_of_.push_back(0);
-    for (const StepBlock& block : blocks) steps_of_.back() += block.lanes;
-    steps_ += steps_of_.back();
-  }
-  // The most that a rank holds: blocks of all elements, or histories of the largest share.
-  const std::size_t largest_share = (elements_ + groups_.count() - 1) / groups_.count();
-  const std::size_t own_steps = *std::max_element(steps_of_.begin(), steps_of_.end());
-  const std::size_t held = components_ * std::max(elements_ * own_steps, largest_share * steps_);
-  passes_ = std::max<std::size_t>(1, (held + most - 1) / most);
-  passes_ = std::min(passes_, std::max<std::size_t>(1, largest_share));
-}
-
-StepTranspose::Range StepTranspose::range(int group, std::size_t pass) const {
-  const std::size_t first = start(group), count = start(group + 1) - first;
-  return {first + count * pass / passes_, first + count * (pass + 1) / passes_};
-}
-
-StepTranspose::Counts StepTranspose::counts(std::size_t pass) const {
-  Counts result;
-  const Range own = range(groups_.index(), pass);
+StepTranspose::StepTranspose(const LayerGroups& groups, std::vector<StepBlock> blocks,
+                             std::vector<Range> ranges, int components)
+    : groups_(groups), blocks_(std::move(blocks)), ranges_(std::move(ranges)), components_(components) {
+  const std::size_t own_lanes = blocks_[groups_.index()].lanes;
   for (int group = 0; group < groups_.count(); ++group) {
-    const Range other = range(group, pass);
-    result.blocks.push_back(
-        static_cast<int>((other.end - other.begin) * components_ * steps_of_[groups_.index()]));
-    result.histories.push_back(static_cast<int>((own.end - own.begin) * components_ * steps_of_[group]));
+    steps_ += blocks_[group].lanes;
+    of_block_.push_back(static_cast<int>(ranges_[group].count() * own_lanes));
+    in_block_.push_back(static_cast<int>(ranges_[group].begin * own_lanes));
+    of_range_.push_back(static_cast<int>(range().count() * blocks_[group].lanes));
   }
-  return result;
+  of_block_starts_ = starts_of(of_block_);
+  of_range_starts_ = starts_of(of_range_);
 }
+
+StepTranspose::StepTranspose(const LayerGroups& groups, std::vector<StepBlock> blocks, std::size_t nodes,
+                             int components)
+    : StepTranspose(groups, std::move(blocks), shares_of(groups, nodes), components) {}
 
 template <class Function>
-void StepTranspose::for_each_slice(int group, std::size_t pass, Function&& f) const {
-  const Range elements = range(group, pass);
-  const std::vector<StepBlock>& blocks = deal_[groups_.index()];
-  for (std::size_t number = 0; number < blocks.size(); ++number) {
-    const std::size_t of_element = components_ * blocks[number].lanes;
-    f(number, elements.begin * of_element, (elements.end - elements.begin) * of_element);
-  }
+void StepTranspose::for_each_piece(Function&& f) const {
+  std::size_t entry = 0;
+  for (const StepBlock& block : blocks_)
+    for (std::size_t i = 0; block.lanes > 0 && i < range().count() * components_; ++i, entry += block.lanes)
+      f(i, block, entry);
 }
 
-template <class Function>
-void StepTranspose::for_each_entry(std::size_t pass, Function&& f) const {
-  const Range elements = range(groups_.index(), pass);
-  for (const std::vector<StepBlock>& blocks : deal_)
-    for (const StepBlock& block : blocks)
-      for (std::size_t element = elements.begin; element < elements.end; ++element)
-        for (std::size_t component = 0; component < components_; ++component)
-          for (int lane = 0; lane < block.lanes; ++lane)
-            f(((element - first_element()) * steps_ + block.first + lane) * components_ + component);
+void StepTranspose::to_histories(std::span<const double> block, std::vector<double>& histories) const {
+  histories.resize(size_of_histories());
+  range_message_.resize(total(of_range_) * components_);
+  const MpiType node = contiguous_type(static_cast<int>(components_), MPI_DOUBLE);
+  MPI_Alltoallv(block.data(), of_block_.data(), in_block_.data(), node, range_message_.data(),
+                of_range_.data(), of_range_starts_.data(), node, groups_.across());
+  for_each_piece([&](std::size_t i, const StepBlock& steps, std::size_t entry) {
+    std::copy_n(&range_message_[entry], steps.lanes, &histories[i * steps_ + steps.first]);
+  });
 }
 
-std::vector<double> StepTranspose::to_histories(std::span<const std::vector<double>> blocks) const {
-  std::vector<double> histories(elements_of_share() * steps_ * components_), outgoing;
-  for (std::size_t pass = 0; pass < passes_; ++pass) {
-    const Counts count = counts(pass);
-    outgoing.clear();
-    for (int group = 0; group < groups_.count(); ++group)
-      for_each_slice(group, pass, [&](std::size_t number, std::size_t begin, std::size_t length) {
-        const auto first = blocks[number].begin() + static_cast<std::ptrdiff_t>(begin);
-        outgoing.insert(outgoing.end(), first, first + static_cast<std::ptrdiff_t>(length));
-      });
-    const std::vector<double> incoming = exchange(groups_, outgoing, count.blocks, count.histories);
-    auto next = incoming.begin();
-    for_each_entry(pass, [&](std::size_t entry) { histories[entry] = *next++; });
+void StepTranspose::add_to_block(std::span<const double> histories, std::span<double> block) const {
+  range_message_.resize(total(of_range_) * components_);
+  block_message_.resize(total(of_block_) * components_);
+  for_each_piece([&](std::size_t i, const StepBlock& steps, std::size_t entry) {
+    std::copy_n(&histories[i * steps_ + steps.first], steps.lanes, &range_message_[entry]);
+  });
+  const MpiType node = contiguous_type(static_cast<int>(components_), MPI_DOUBLE);
+  MPI_Alltoallv(range_message_.data(), of_range_.data(), of_range_starts_.data(), node, block_message_.data(),
+                of_block_.data(), of_block_starts_.data(), node, groups_.across());
+  for (int group = 0; group < groups_.count(); ++group) {
+    const double* from = block_message_.data() + of_block_starts_[group] * components_;
+    double* to = block.data() + in_block_[group] * components_;
+    for (std::size_t i = 0; i < of_block_[group] * components_; ++i) to[i] += from[i];
   }
-  return histories;
-}
-
-std::vector<std::vector<double>> StepTranspose::to_blocks(std::span<const double> histories) const {
-  std::vector<std::vector<double>> blocks;
-  for (const StepBlock& block : deal_[groups_.index()]) blocks.emplace_back(size_of(block));
-  std::vector<double> outgoing;
-  for (std::size_t pass = 0; pass < passes_; ++pass) {
-    const Counts count = counts(pass);
-    outgoing.clear();
-    for_each_entry(pass, [&](std::size_t entry) { outgoing.push_back(histories[entry]); });
-    const std::vector<double> incoming = exchange(groups_, outgoing, count.histories, count.blocks);
-    auto next = incoming.begin();
-    for (int group = 0; group < groups_.count(); ++group)
-      for_each_slice(group, pass, [&](std::size_t number, std::size_t begin, std::size_t length) {
-        std::copy_n(next, length, blocks[number].begin() + static_cast<std::ptrdiff_t>(begin));
-        next += static_cast<std::ptrdiff_t>(length);
-      });
-  }
-  return blocks;
 }
 
 }  // namespace fabseq

@@ -88,52 +88,60 @@ std::span<const double> ChunkModes::values(const LaneVector& displacements,
   return ghosted;
 }
 
+template <class Function>
+StepTranspose::Range ChunkModes::nodes_around(std::size_t begin, std::size_t end,
+                                              Function&& number_of) const {
+  StepTranspose::Range result;
+  for (std::size_t e = begin; e < end; ++e)
+    for (int c = 0; c < 8; ++c) {
+      const std::size_t number = number_of(corner(e, c));
+      result.begin = result.end == 0 ? number : std::min(result.begin, number);
+      result.end = std::max(result.end, number + 1);
+    }
+  return result;
+}
+
+StepTranspose::Range ChunkModes::value_nodes(std::size_t begin, std::size_t end) const {
+  return nodes_around(begin, end, [this](std::size_t node) { return positions_[node]; });
+}
+
+StepTranspose::Range ChunkModes::force_nodes(std::size_t begin, std::size_t end) const {
+  return nodes_around(begin, end, [](std::size_t node) { return node; });
+}
+
 template <int Width>
-ElementModes::Modes<Width> ChunkModes::modes_at(std::size_t element, std::span<const double> values,
-                                                int lanes, int first) const {
+ElementModes::Modes<Width> ChunkModes::modes_at(std::size_t element, const NodeHistories<const double>& nodes,
+                                                int step) const {
   ElementModes::Nodal<Width> u;
-  for (int corner = 0; corner < 8; ++corner) {
-    const std::size_t node =
-        positions_[model_.domain.first_corners[element] + model_.part.grid().corner_offsets()[corner]];
-    for (int a = 0; a < 3; ++a) u[a][corner] = Lanes<Width>::load(&values[(node * 3 + a) * lanes + first]);
+  for (int c = 0; c < 8; ++c) {
+    const std::size_t node = positions_[corner(element, c)] - nodes.first;
+    for (int a = 0; a < 3; ++a)
+      u[a][c] = Lanes<Width>::load(&nodes.values[(node * 3 + a) * nodes.steps + step]);
   }
   return modes_.of<Width>(u);
 }
 
 template <int Width>
 void ChunkModes::add_at(std::size_t element, const ElementModes::Modes<Width>& modes,
-                        std::span<double> forces, int lanes, int first) const {
+                        const NodeHistories<double>& nodes, int step) const {
   const auto f = modes_.forces<Width>(modes);
-  for (int corner = 0; corner < 8; ++corner) {
-    const std::size_t node =
-        model_.domain.first_corners[element] + model_.part.grid().corner_offsets()[corner];
+  for (int c = 0; c < 8; ++c) {
+    const std::size_t node = corner(element, c) - nodes.first;
     for (int a = 0; a < 3; ++a) {
-      double* place = &forces[(node * 3 + a) * lanes + first];
-      (Lanes<Width>::load(place) + f[a][corner]).store(place);
+      double* place = &nodes.values[(node * 3 + a) * nodes.steps + step];
+      (Lanes<Width>::load(place) + f[a][c]).store(place);
     }
   }
 }
 
-void ChunkModes::set_block(const PlasticBatches::Chunk& chunk, std::span<const double> values, int lanes,
-                           std::vector<double>& modes) const {
-  modes.resize((chunk.end - chunk.begin) * components * lanes);
-  for_lane_chunks(lanes, [&]<int Width>(int first) {
-    for (std::size_t e = chunk.begin; e < chunk.end; ++e) {
-      const auto of_element = modes_at<Width>(e, values, lanes, first);
-      for (int c = 0; c < components; ++c)
-        of_element[c].store(&modes[((e - chunk.begin) * components + c) * lanes + first]);
-    }
-  });
-}
-
-void ChunkModes::set_histories(const PlasticBatches::Chunk& chunk, std::span<const double> values, int lanes,
+void ChunkModes::set_histories(const PlasticBatches::Chunk& chunk, const NodeHistories<const double>& nodes,
                                std::vector<double>& histories) const {
-  const std::size_t of_batch = static_cast<std::size_t>(lanes) * step_size;
+  const std::size_t of_batch = static_cast<std::size_t>(nodes.steps) * step_size;
   histories.resize(chunk.batches() * of_batch);
-  for_lane_chunks(lanes, [&]<int Width>(int first) {
+  for_lane_chunks(nodes.steps, [&]<int Width>(int first) {
     Batch<Width> batch;
     for_each_batch(chunk, [&](std::size_t element, std::size_t count, std::size_t number) {
-      for (std::size_t e = 0; e < count; ++e) batch[e] = modes_at<Width>(element + e, values, lanes, first);
+      for (std::size_t e = 0; e < count; ++e) batch[e] = modes_at<Width>(element + e, nodes, first);
       for (std::size_t e = count; e < plastic_width; ++e) batch[e].fill(Lanes<Width>::zero());
       store<Width>(batch, first, &histories[number * of_batch]);
     });
@@ -151,26 +159,14 @@ std::span<double> ChunkModes::begin_forces(int lanes, LaneVector& forces,
   return ghosted;
 }
 
-void ChunkModes::add_block(const PlasticBatches::Chunk& chunk, std::span<const double> modes, int lanes,
-                           std::span<double> forces) const {
-  for_lane_chunks(lanes, [&]<int Width>(int first) {
-    for (std::size_t e = chunk.begin; e < chunk.end; ++e) {
-      ElementModes::Modes<Width> of_element;
-      for (int c = 0; c < components; ++c)
-        of_element[c] = Lanes<Width>::load(&modes[((e - chunk.begin) * components + c) * lanes + first]);
-      add_at<Width>(e, of_element, forces, lanes, first);
-    }
-  });
-}
-
 void ChunkModes::add_histories(const PlasticBatches::Chunk& chunk, std::span<const double> histories,
-                               int lanes, std::span<double> forces) const {
-  const std::size_t of_batch = static_cast<std::size_t>(lanes) * step_size;
-  for_lane_chunks(lanes, [&]<int Width>(int first) {
+                               const NodeHistories<double>& nodes) const {
+  const std::size_t of_batch = static_cast<std::size_t>(nodes.steps) * step_size;
+  for_lane_chunks(nodes.steps, [&]<int Width>(int first) {
     Batch<Width> batch;
     for_each_batch(chunk, [&](std::size_t element, std::size_t count, std::size_t number) {
       load<Width>(&histories[number * of_batch], first, batch);
-      for (std::size_t e = 0; e < count; ++e) add_at<Width>(element + e, batch[e], forces, lanes, first);
+      for (std::size_t e = 0; e < count; ++e) add_at<Width>(element + e, batch[e], nodes, first);
     });
   });
 }

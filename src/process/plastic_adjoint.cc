@@ -79,7 +79,7 @@ void PlasticAdjoint::run_back(std::size_t wave, const LaneVector& unknowns, std:
   const std::array<const LaneVector*, 2> fields = {&forward_.unknowns(wave), &unknowns};
   const PlasticWave& own = forward_.waves()[wave];
   const std::size_t size = own.count * step_size;
-  forward_.exchange().run(own, fields, forces,
+  forward_.exchange().run(fields, forces,
                           [&](const PlasticBatches::Chunk& chunk,
                               std::span<const std::vector<double>> histories, std::vector<double>& of_chunk) {
                             for (std::size_t b = 0; b < chunk.batches(); ++b) {

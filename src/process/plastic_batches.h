@@ -9,15 +9,13 @@
 
 namespace fabseq {
 
-/// This rank's share of the model's elements, whose histories it finds, in batches of eight elements.
-/// Elements are gone through in chunks that fit into a cache; the copies of a rank share out each chunk.
-/// Local.
+/// This rank's share of the model's elements, whose histories it finds, in batches of eight elements. They
+/// are gone through in chunks that fit into a cache. Local.
 class PlasticBatches {
  public:
-  /// A part of the rank's elements: begin .. end - 1, and of these its share, first .. first + count - 1,
-  /// whose batches begin with `batch`.
+  /// Elements of the share, first .. first + count - 1, whose batches begin with `batch`.
   struct Chunk {
-    std::size_t begin, end, first, count, batch;
+    std::size_t first, count, batch;
     std::size_t batches() const;
   };
 

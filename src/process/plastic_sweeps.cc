@@ -45,6 +45,7 @@ void PlasticSweeps::start_from(std::vector<LaneVector> unknowns) {
 
 void PlasticSweeps::set_wave(std::size_t wave, bool changed) {
   material_.set_wave(waves_[wave]);
+  exchange_.set_wave(waves_[wave]);
   iteration_.set_wave(waves_[wave], changed);
 }
 
@@ -70,7 +71,7 @@ void PlasticSweeps::go_through(std::size_t wave, const LaneVector& unknowns, Lan
                                std::vector<PlasticPoint>* behind) const {
   const LaneVector* field = &unknowns;
   const std::size_t size = waves_[wave].count * step_size;
-  exchange_.run(waves_[wave], {&field, 1}, forces,
+  exchange_.run({&field, 1}, forces,
                 [&](const PlasticBatches::Chunk& chunk, std::span<const std::vector<double>> histories,
                     std::vector<double>& of_chunk) {
                   for (std::size_t b = 0; b < chunk.batches(); ++b) {
@@ -89,15 +90,13 @@ std::vector<LaneVector> PlasticSweeps::increments() const {
     const PlasticWave& wave = waves_[number];
     LaneVector own = unknowns_[number];
     if (input_.heated()) {
-      const StepTranspose nodes(groups(), wave.deal, static_cast<std::size_t>(own.nodes), 3);
-      std::vector<std::vector<double>> blocks;
-      if (wave.block) blocks.push_back(own.values);
-      std::vector<double> histories = nodes.to_histories(blocks);
-      for (std::size_t node = 0; node < nodes.elements_of_share(); ++node)
-        for (int i = 3 * wave.count; i-- > 3;)
-          histories[node * 3 * wave.count + i] -= histories[node * 3 * wave.count + i - 3];
-      blocks = nodes.to_blocks(histories);
-      if (wave.block) own.values = std::move(blocks.front());
+      const StepTranspose nodes(groups(), wave.blocks, static_cast<std::size_t>(own.nodes), own.components);
+      std::vector<double> histories;
+      nodes.to_histories(own.values, histories);
+      for (std::size_t entry = histories.size(); entry-- > 0;)
+        if (entry % wave.count != 0) histories[entry] -= histories[entry - 1];
+      std::ranges::fill(own.values, 0.0);
+      nodes.add_to_block(histories, own.values);
     }
     if (wave.block) result.push_back(std::move(own));
   }

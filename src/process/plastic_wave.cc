@@ -11,9 +11,9 @@ std::vector<PlasticWave> plastic_waves(const StepSystems<3>& systems, bool relea
     PlasticWave wave;
     wave.first = deal.front()[number].first;
     for (const std::vector<StepBlock>& blocks : deal) {
-      wave.deal.blocks.emplace_back();
+      wave.blocks.emplace_back();
       if (number >= blocks.size()) continue;
-      wave.deal.blocks.back().push_back({blocks[number].first - wave.first, blocks[number].lanes});
+      wave.blocks.back() = {blocks[number].first - wave.first, blocks[number].lanes};
       wave.count += blocks[number].lanes;
     }
     if (number < deal[own].size()) wave.block = number;
@@ -23,8 +23,8 @@ std::vector<PlasticWave> plastic_waves(const StepSystems<3>& systems, bool relea
   PlasticWave wave;
   wave.first = static_cast<int>(systems.steps().size());
   wave.count = 1;
-  wave.deal.blocks.resize(deal.size());
-  wave.deal.blocks.front().push_back({0, 1});
+  wave.blocks.resize(deal.size());
+  wave.blocks.front() = {0, 1};
   wave.release = true;
   result.push_back(std::move(wave));
   return result;

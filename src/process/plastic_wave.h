@@ -13,12 +13,12 @@ namespace fabseq {
 /// steps of each group, or the release.
 struct PlasticWave {
   int first = 0, count = 0;          ///< its steps; the release comes behind all steps
-  StepDeal deal;                     ///< counted from `first`
+  std::vector<StepBlock> blocks;     ///< [group] what it solves, counted from `first`; no lanes: nothing
   std::optional<std::size_t> block;  ///< this group's in StepSystems, if it has any
   bool release = false;
 
   /// Steps that this group solves: lanes.
-  int lanes(int group) const { return deal.blocks[group].empty() ? 0 : deal.blocks[group].front().lanes; }
+  int lanes(int group) const { return blocks[group].lanes; }
 };
 
 /// The waves of steps that have been dealt out in turn. `release`: whether there is one; the first group has
