@@ -78,8 +78,9 @@ double bytes_of_systems(const RunSize& size, SolverPath path, int groups, int la
 
 /// Bytes per element and wave, of its state, and per element and functional, of its dual.
 constexpr double state_bytes = 176.0, dual_bytes = 168.0;
-/// Bytes per unknown and lane that sweeps take: what Anderson's method keeps, and fields with halos.
-constexpr double sweep_bytes = 120.0;
+/// Bytes per unknown and lane that sweeps take: what Anderson's method keeps, and fields with halos; and with
+/// several groups all steps of two fields and of the forces, and messages.
+constexpr double sweep_bytes = 120.0, exchange_bytes = 48.0;
 /// Seconds per unknown and step on one core, with the sweeps of an iteration that begins from the last
 /// design's state: forward and of an adjoint, at one temperature and with those of the layers.
 constexpr double flow_seconds = 2.7e-7, flow_adjoint_seconds = 1.1e-7, heated_seconds = 7e-7,
@@ -94,7 +95,7 @@ StageCost with_flow(StageCost cost, const RunSize& size, int groups, int lanes) 
   cost.held +=
       size.unknowns * steps * 8.0 * (1.0 + std::min<double>(functionals, StepSystems<3>::most_kept)) +
       elements * (state_bytes * (steps / widest_block + 2.0) + dual_bytes * functionals);
-  cost.solving += size.unknowns * sweep_bytes * lanes * groups;
+  cost.solving += size.unknowns * (sweep_bytes + (groups > 1 ? exchange_bytes : 0.0)) * lanes * groups;
   cost.seconds = size.unknowns * steps *
                  ((heated ? heated_seconds : flow_seconds) +
                   functionals * (heated ? heated_adjoint_seconds : flow_adjoint_seconds)) /

@@ -47,8 +47,8 @@ std::vector<int> possible_groups(int ranks) {
   return result;
 }
 
-/// Groups that are worth it at most. Where material flows, the steps of more groups take more sweeps: two
-/// groups of a rank take 1.3 times as long as one of two ranks (docs/developer/experiments.md).
+/// Groups that are worth it at most. Where material flows, waves of more steps take more sweeps: two groups
+/// of a rank take 1.3 times as long as one of two ranks (docs/developer/experiments.md).
 int most_groups(const RunSize& size) { return size.flow_steps > 0 ? 1 : size.layers; }
 
 template <int Dim>

@@ -51,9 +51,10 @@ StepTranspose::StepTranspose(const LayerGroups& groups, std::vector<StepBlock> b
 template <class Function>
 void StepTranspose::for_each_piece(Function&& f) const {
   std::size_t entry = 0;
-  for (const StepBlock& block : blocks_)
-    for (std::size_t i = 0; block.lanes > 0 && i < range().count() * components_; ++i, entry += block.lanes)
-      f(i, block, entry);
+  for (const StepBlock& block : blocks_) {
+    if (block.lanes == 0) continue;
+    for (std::size_t i = 0; i < range().count() * components_; ++i, entry += block.lanes) f(i, block, entry);
+  }
 }
 
 void StepTranspose::to_histories(std::span<const double> block, std::vector<double>& histories) const {

@@ -12,7 +12,7 @@
 
 namespace fabseq {
 
-/// Values of nodes in all steps, [node][component][step], of those from `first` on.
+/// Values of the nodes from `first` on, in all steps of a wave: [node][component][step].
 template <class Value>
 struct NodeHistories {
   std::span<Value> values;
@@ -27,20 +27,22 @@ class ChunkModes {
   /// The model must outlive the object.
   explicit ChunkModes(const ElasticModel<3>& model);
   const ElementModes& modes() const { return modes_; }
-  /// Nodes around consecutive elements, as values() and begin_forces() count them.
+  /// The least range that holds the nodes around elements `begin` .. `end` - 1, as values() and
+  /// begin_forces() number them.
   StepTranspose::Range value_nodes(std::size_t begin, std::size_t end) const;
   StepTranspose::Range force_nodes(std::size_t begin, std::size_t end) const;
 
   /// Values of displacements on the model's nodes: those themselves, or, where the grid has several ranks,
   /// `ghosted`, which is set. Collective on the grid's communicator.
   std::span<const double> values(const LaneVector& displacements, std::vector<double>& ghosted) const;
-  /// Elements that are missing in the last batch do not move.
+  /// `nodes` are numbered as by value_nodes(). Elements that are missing in the last batch do not move.
   void set_histories(const PlasticBatches::Chunk& chunk, const NodeHistories<const double>& nodes,
                      std::vector<double>& histories) const;
 
   /// Begins a sum of forces on all owned nodes. Returns zeros, to which forces are added: the values of
   /// `forces`, or `ghosted` where the grid has several ranks.
   std::span<double> begin_forces(int lanes, LaneVector& forces, std::vector<double>& ghosted) const;
+  /// Adds the forces to `nodes`, which are numbered as by force_nodes().
   void add_histories(const PlasticBatches::Chunk& chunk, std::span<const double> histories,
                      const NodeHistories<double>& nodes) const;
   /// Ends it. Collective on the grid's communicator.

@@ -2,9 +2,11 @@
 #pragma once
 
 #include "fabseq/parallel/layer_groups.h"
+#include "process/plastic_point.h"
 
+#include <algorithm>
 #include <cstddef>
-#include <span>
+#include <ranges>
 #include <vector>
 
 namespace fabseq {
@@ -23,15 +25,17 @@ class PlasticBatches {
   PlasticBatches(const LayerGroups& groups, std::size_t elements);
 
   const std::vector<Chunk>& chunks() const { return chunks_; }
-  std::size_t count() const { return elements_.size(); }
+  std::size_t count() const;
   std::size_t elements() const { return all_elements_; }
   /// The elements of a batch: as many as it has.
-  std::span<const int> batch(std::size_t number) const { return elements_[number]; }
+  auto batch(std::size_t number) const {
+    const std::size_t first = begin_ + number * plastic_width;
+    return std::views::iota(static_cast<int>(first), static_cast<int>(std::min(first + plastic_width, end_)));
+  }
 
  private:
-  std::size_t all_elements_;
+  std::size_t all_elements_, begin_, end_;  ///< the share: begin .. end - 1
   std::vector<Chunk> chunks_;
-  std::vector<std::vector<int>> elements_;
 };
 
 }  // namespace fabseq

@@ -26,7 +26,7 @@ class PlasticExchange {
   /// All arguments must outlive the object.
   PlasticExchange(const ElasticModel<3>& model, const LayerGroups& groups, const PlasticBatches& batches);
 
-  /// Takes the wave whose steps run() goes through, which must outlive its calls. Local.
+  /// Takes the wave whose steps run() goes through. Local.
   void set_wave(const PlasticWave& wave);
   /// What is done with a chunk: histories of the fields, and forces to be set (ElementModes::forces()).
   using Work =
@@ -42,16 +42,16 @@ class PlasticExchange {
 
  private:
   NodeHistories<const double> values_of(const LaneVector& field, std::size_t number) const;
+  NodeHistories<double> zero_forces(std::span<double> own) const;
 
   const LayerGroups& groups_;
   const PlasticBatches& batches_;
   ChunkModes nodes_;
   std::vector<StepTranspose::Range> value_nodes_, force_nodes_;  ///< [group] around its share of the elements
-  const PlasticWave* wave_ = nullptr;
-  std::optional<StepTranspose> value_transpose_, force_transpose_;  ///< of several groups
-  mutable std::vector<std::vector<double>> ghosted_, all_steps_,
-      histories_;  ///< scratch, [field], as are these
-  mutable std::vector<double> ghosted_forces_, forces_of_all_steps_, forces_of_chunk_;
+  PlasticWave wave_;
+  std::optional<StepTranspose> value_transpose_, force_transpose_;            ///< only with several groups
+  mutable std::vector<std::vector<double>> ghosted_, all_steps_, histories_;  ///< scratch, [field]
+  mutable std::vector<double> ghosted_forces_, forces_of_all_steps_, forces_of_chunk_;  ///< scratch
 };
 
 }  // namespace fabseq

@@ -90,6 +90,7 @@ std::vector<LaneVector> PlasticSweeps::increments() const {
     const PlasticWave& wave = waves_[number];
     LaneVector own = unknowns_[number];
     if (input_.heated()) {
+      // Sums become increments; the step before a block's first one is another group's.
       const StepTranspose nodes(groups(), wave.blocks, static_cast<std::size_t>(own.nodes), own.components);
       std::vector<double> histories;
       nodes.to_histories(own.values, histories);

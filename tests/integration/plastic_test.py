@@ -5,6 +5,7 @@ import copy
 import itertools
 
 import run_fabseq
+from read_outputs import assert_close, read_result
 from run_fabseq import FabseqTest, distinct
 from small_parts import hook_3d
 
@@ -99,6 +100,22 @@ class PlasticTest(FabseqTest):
                 with self.subTest(heated=heated, ranks=ranks, groups=groups, lanes=lanes):
                     options = "-layer_groups", groups, "-set", f"solver.lanes={lanes}"
                     self.assert_same(self.values(ranks, config, *options), expected, 1e-8)
+
+    def test_gradients_of_ranks_and_groups(self):
+        """With lanes of 2 and five steps, one group has no step in the last wave."""
+        for heated in distinct(False, True):
+            expected = self.gradients(1, flowing(0.002, heated))
+            for ranks, groups in ((2, 2), (4, 2)):
+                with self.subTest(heated=heated, ranks=ranks, groups=groups):
+                    found = self.gradients(ranks, flowing(0.002, heated), "-layer_groups", groups, "-set", "solver.lanes=2")
+                    self.assertEqual(set(found), set(expected))
+                    for name, values in expected.items():
+                        assert_close(found[name], values, 1e-6, name)
+
+    def gradients(self, ranks, config, *options):
+        run = self.run_config(ranks, config, "-task", "evaluate", "-tolerance", "1e-10", *options)
+        self.assert_done(run)
+        return read_result(run, "gradients.h5")
 
     def test_a_part_that_is_turned_in_the_box(self):
         for heated, ranks in itertools.product(distinct(False, True), (1,)):

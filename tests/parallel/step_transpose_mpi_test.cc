@@ -102,9 +102,12 @@ TEST(StepTransposeTest, EqualSharesAreTheDefault) {
 }
 
 TEST(StepTransposeTest, RanksMayHaveDifferentNumbersOfNodes) {
-  const LayerGroups groups(world, 1);
-  const std::size_t nodes = 10 * static_cast<std::size_t>(rank_of(world));
-  compare(groups, nodes, 5, {{0, nodes}});
+  for (int count = 1; count <= size_of(world); ++count) {
+    if (size_of(world) % count != 0) continue;
+    const LayerGroups groups(world, count);
+    const std::size_t nodes = 10 * static_cast<std::size_t>(rank_of(groups.domain()));
+    compare(groups, nodes, 5, ranges_of(groups, nodes, 1));
+  }
 }
 
 }  // namespace

@@ -14,8 +14,8 @@ namespace fabseq {
 /// distribution): a *block*, in which a group solves its steps, holds all nodes of the rank; *histories* hold
 /// all steps for a range of the nodes. Entries of a block are [node][component][lane], those of histories
 /// [node of the range][component][step]. Ranges of copies may overlap: each gets the values of its own, and
-/// what they give back is added up. So either exchange is the transpose of the other, and undoes it where
-/// ranges do not overlap.
+/// what they give back is added up. So either exchange is the transpose of the other. Where every node is in
+/// one range, what is added to a block of zeros is what came from it.
 class StepTranspose {
  public:
   /// Nodes from `begin` to `end` - 1.
@@ -24,9 +24,10 @@ class StepTranspose {
     std::size_t count() const { return end - begin; }
   };
 
-  /// `blocks`: [group], the steps that each group solves, in their order; no lanes: none. `ranges`: [group],
-  /// the nodes whose histories the copies of this rank get. `components`: at least 1. A rank sends and gets
-  /// fewer than 2^31 nodes, times steps. `groups` must outlive the object. Not collective.
+  /// `blocks`: [group], the steps that each group solves, counted from 0; no lanes: none. Every step stands
+  /// in one block. `ranges`: [group], the nodes whose histories the copies of this rank get. `components`: at
+  /// least 1. Nodes times steps, of a block and of what a rank sends or gets, are fewer than 2^31. `groups`
+  /// must outlive the object. Not collective.
   StepTranspose(const LayerGroups& groups, std::vector<StepBlock> blocks, std::vector<Range> ranges,
                 int components);
   /// Every copy gets the same share of `nodes`.
@@ -44,7 +45,7 @@ class StepTranspose {
   void add_to_block(std::span<const double> histories, std::span<double> block) const;
 
  private:
-  /// Calls f(node of the range times component, block, entry in the messages of the histories).
+  /// Calls f(number of node and component in the range, block, where its steps begin in range_message_).
   template <class Function>
   void for_each_piece(Function&& f) const;
 
@@ -52,9 +53,10 @@ class StepTranspose {
   std::vector<StepBlock> blocks_;
   std::vector<Range> ranges_;
   std::size_t components_ = 1, steps_ = 0;
-  /// [group] what this rank has of its block for each copy, and of its range from each; and where it begins
-  /// in messages and in the block: in units of `components` values.
-  std::vector<int> of_block_, of_range_, of_block_starts_, of_range_starts_, in_block_;
+  // [group], in units of `components` values:
+  std::vector<int> of_block_, of_range_;  ///< what goes from the block to a copy, and comes into the range
+  std::vector<int> in_block_;             ///< where the range of a copy begins in the block
+  std::vector<int> of_block_starts_, of_range_starts_;         ///< where they begin in the messages
   mutable std::vector<double> block_message_, range_message_;  ///< scratch
 };
 
