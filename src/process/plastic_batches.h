@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <ranges>
 #include <vector>
 
 namespace fabseq {
@@ -15,6 +14,17 @@ namespace fabseq {
 /// are gone through in chunks that fit into a cache. Local.
 class PlasticBatches {
  public:
+  /// Numbers of consecutive elements, at most eight.
+  class Batch {
+   public:
+    Batch(int first, std::size_t size) : first_(first), size_(size) {}
+    std::size_t size() const { return size_; }
+    int operator[](std::size_t index) const { return first_ + static_cast<int>(index); }
+
+   private:
+    int first_;
+    std::size_t size_;
+  };
   /// Elements of the share, first .. first + count - 1, whose batches begin with `batch`.
   struct Chunk {
     std::size_t first, count, batch;
@@ -27,10 +37,9 @@ class PlasticBatches {
   const std::vector<Chunk>& chunks() const { return chunks_; }
   std::size_t count() const;
   std::size_t elements() const { return all_elements_; }
-  /// The elements of a batch: as many as it has.
-  auto batch(std::size_t number) const {
+  Batch batch(std::size_t number) const {
     const std::size_t first = begin_ + number * plastic_width;
-    return std::views::iota(static_cast<int>(first), static_cast<int>(std::min(first + plastic_width, end_)));
+    return {static_cast<int>(first), std::min<std::size_t>(plastic_width, end_ - first)};
   }
 
  private:
