@@ -53,7 +53,7 @@ CASES = {"arm": ("arm", ("planar", "start", "optimized"), {}),
          "tee": ("tee", THREE, {})}
 # What CalculiX simulates on refined elements, too.
 REFINED_RUNS = {"arm": {"planar": BRICKS[:1], "start": BRICKS[:1], "optimized": BRICKS[:1]},
-                "wall": {"planar": BRICKS},
+                "wall": {"planar": BRICKS, "tilted": BRICKS[:1], "optimized": BRICKS[:1]},
                 "cross": {"planar": BRICKS[:1], "optimized": BRICKS[:1]}}
 UPRIGHT, TILTED = [0, 0, 1], [0.2588, 0, 0.9659]   # the second leans by 15 degrees
 
