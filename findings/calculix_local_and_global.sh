@@ -10,16 +10,9 @@
 source "$(dirname "${BASH_SOURCE[0]}")/common.bash"
 fetch_debian calculix-ccx=2.20-1
 
-cat > cube.inp <<'EOF'
+cat > cube.inp <<EOF
 *NODE, NSET=ALL
-1, 0, 0, 0
-2, 1, 0, 0
-3, 1, 1, 0
-4, 0, 1, 0
-5, 0, 0, 1
-6, 1, 0, 1
-7, 1, 1, 1
-8, 0, 1, 1
+$(cube_nodes)
 *ELEMENT, TYPE=C3D8, ELSET=CUBE
 1, 1, 2, 3, 4, 5, 6, 7, 8
 *NSET, NSET=BOTTOM

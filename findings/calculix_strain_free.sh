@@ -14,14 +14,7 @@ fetch_debian calculix-ccx=2.20-1
 deck() { # the length of an increment, of a step of length 1
   cat <<EOF
 *NODE, NSET=ALL
-1, 0, 0, 0
-2, 1, 0, 0
-3, 1, 1, 0
-4, 0, 1, 0
-5, 0, 0, 1
-6, 1, 0, 1
-7, 1, 1, 1
-8, 0, 1, 1
+$(cube_nodes)
 9, 0, 0, 2
 10, 1, 0, 2
 11, 1, 1, 2

@@ -62,6 +62,20 @@ debian_python() {
 # What stands in an ASCII STL file: extent and signed volume.
 stl_solid() { debian_python "$findings/solids.py" "$1"; }
 
+# Eight nodes of a cube of 1 mm, as lines of an Abaqus or CalculiX deck, in the order of a brick.
+cube_nodes() {
+  cat <<'EOF'
+1, 0, 0, 0
+2, 1, 0, 0
+3, 1, 1, 0
+4, 0, 1, 0
+5, 0, 0, 1
+6, 1, 0, 1
+7, 1, 1, 1
+8, 0, 1, 1
+EOF
+}
+
 # expect WHAT SEEN NOW: compares what was seen with what this run shows.
 expect() {
   if [[ $2 == "$3" ]]; then

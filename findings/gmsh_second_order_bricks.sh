@@ -19,8 +19,8 @@ EOF
 { cat brick.geo; echo 'Physical Volume("PART") = {1};'; } > part.geo
 mesh() { gmsh "$1" -3 -order 2 -setnumber Mesh.SecondOrderIncomplete "$2" -o "$3" > gmsh.log; }
 kinds() { # of elements in a .inp file
-  awk -F'[=,]' 'toupper($1) == "*ELEMENT" {count[$3]++} END {for (kind in count) print count[kind], kind}' "$1" | sort -k 2 |
-    paste -s -d ,
+  awk -F'[=,]' 'toupper($1) == "*ELEMENT" {count[$3]++} END {for (kind in count) print count[kind], kind}' "$1" |
+    sort -k 2 | paste -s -d ,
 }
 read_by_ccx() { # yes or no
   {

@@ -11,17 +11,10 @@
 source "$(dirname "${BASH_SOURCE[0]}")/common.bash"
 fetch_debian python3-meshio=7.0.0-3
 
-cat > posts.inp <<'EOF'
+cat > posts.inp <<EOF
 *PART, NAME=POST
 *NODE
-1, 0, 0, 0
-2, 1, 0, 0
-3, 1, 1, 0
-4, 0, 1, 0
-5, 0, 0, 1
-6, 1, 0, 1
-7, 1, 1, 1
-8, 0, 1, 1
+$(cube_nodes)
 *ELEMENT, TYPE=C3D8, ELSET=BODY
 1, 1, 2, 3, 4, 5, 6, 7, 8
 *END PART

@@ -23,7 +23,7 @@ void PlasticExchange::set_wave(const PlasticWave& wave) {
   force_transpose_.emplace(groups_, wave.blocks, force_nodes_, 3);
 }
 
-/// All steps of a field, from this rank's block and those of its copies.
+/// Returns a field in all steps of the wave: the copies of this rank send what they solve.
 NodeHistories<const double> PlasticExchange::values_of(const LaneVector& field, std::size_t number) const {
   std::span<const double> own;
   if (wave_.lanes(groups_.index()) > 0) own = nodes_.values(field, ghosted_[number]);

@@ -107,7 +107,8 @@ class PlasticTest(FabseqTest):
             expected = self.gradients(1, flowing(0.002, heated))
             for ranks, groups in ((2, 2), (4, 2)):
                 with self.subTest(heated=heated, ranks=ranks, groups=groups):
-                    found = self.gradients(ranks, flowing(0.002, heated), "-layer_groups", groups, "-set", "solver.lanes=2")
+                    options = "-layer_groups", groups, "-set", "solver.lanes=2"
+                    found = self.gradients(ranks, flowing(0.002, heated), *options)
                     self.assertEqual(set(found), set(expected))
                     for name, values in expected.items():
                         assert_close(found[name], values, 1e-6, name)

@@ -16,7 +16,7 @@ const MPI_Comm world = MPI_COMM_WORLD;
 constexpr int components = 3;
 using Range = StepTranspose::Range;
 
-/// A value that says where it belongs: each place in a group has nodes of its own.
+/// A value from which its place can be read. `place`: rank within a group; each has other nodes.
 double value(int place, std::size_t node, int component, int step) {
   return 1e6 * place + 1e3 * static_cast<double>(node) + 100.0 * component + step;
 }

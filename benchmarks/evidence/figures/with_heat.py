@@ -52,9 +52,9 @@ CASES = {"arm": ("arm", ("planar", "start", "optimized"), {}),
          "cross": ("cross", THREE, {}),
          "tee": ("tee", THREE, {})}
 # What CalculiX simulates on refined elements, too.
-REFINED_RUNS = {"arm": {"planar": BRICKS[:1], "start": BRICKS[:1], "optimized": BRICKS[:1]},
-                "wall": {"planar": BRICKS, "tilted": BRICKS[:1], "optimized": BRICKS[:1]},
-                "cross": {"planar": BRICKS[:1], "optimized": BRICKS[:1]}}
+REFINED_RUNS = {case: dict.fromkeys(sequences, BRICKS[:1])
+                for case, sequences in (("arm", CASES["arm"][1]), ("wall", THREE), ("cross", ("planar", "optimized")))}
+REFINED_RUNS["wall"]["planar"] = BRICKS
 UPRIGHT, TILTED = [0, 0, 1], [0.2588, 0, 0.9659]   # the second leans by 15 degrees
 
 

@@ -12,10 +12,10 @@ namespace fabseq {
 
 /// Exchange between the two ways in which values per node and step are held (docs/architecture.md,
 /// distribution): a *block*, in which a group solves its steps, holds all nodes of the rank; *histories* hold
-/// all steps for a range of the nodes. Entries of a block are [node][component][lane], those of histories
-/// [node of the range][component][step]. Ranges of copies may overlap: each gets the values of its own, and
-/// what they give back is added up. So either exchange is the transpose of the other. Where every node is in
-/// one range, what is added to a block of zeros is what came from it.
+/// all steps for a range of the nodes. A block is ordered as [node][component][lane], histories as [node of
+/// the range][component][step]. The ranges of two copies may overlap: both get the values of a node that they
+/// share, and the values that they send back for it are added. So either exchange is the transpose of the
+/// other. Where every node is in one range, what is added to a block of zeros is what came from it.
 class StepTranspose {
  public:
   /// Nodes from `begin` to `end` - 1.
@@ -40,8 +40,8 @@ class StepTranspose {
   /// Sets the histories of this rank's range from the blocks of all groups. `block`: this rank's; empty, if
   /// it has no steps. Collective on LayerGroups::across().
   void to_histories(std::span<const double> block, std::vector<double>& histories) const;
-  /// Adds the histories of all ranges to this rank's block, those of the first group first. Collective on
-  /// LayerGroups::across().
+  /// Adds the steps that this rank solves, from the histories of all copies, to its block. Copies are added
+  /// in the order of their groups. Collective on LayerGroups::across().
   void add_to_block(std::span<const double> histories, std::span<double> block) const;
 
  private:
