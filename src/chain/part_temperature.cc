@@ -10,7 +10,7 @@ PartTemperature<Dim>::PartTemperature(const Model<Dim>& model, double tolerance)
     : thermal(model.part, {model.settings.thermal.value(), model.settings.material, model.settings.process}),
       simulation(thermal,
                  make_temperature_solver(model.solver, model.grid, thermal.domain, tolerance, model.lanes),
-                 model.groups, model.lanes) {}
+                 step_tolerance({tolerance}), model.groups, model.lanes) {}
 
 FABSEQ_INSTANTIATE_STRUCT(PartTemperature);
 

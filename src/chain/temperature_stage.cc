@@ -82,16 +82,18 @@ constexpr double step_bytes_per_lane = 106.0, reference_step_bytes = 700.0;
 /// Costs of a solve with one right-hand side on one core, per node; and of a step and its adjoint, in units
 /// of a full block of layers. Measured on a V-shape of 125,000 nodes (docs/developer/measuring.md).
 constexpr double seconds_per_node = 2.6e-7, reference_seconds_per_node = 2e-5, work_of_step = 0.03;
+/// Where properties follow the temperature, times this: rounds of Newton's method, and an operator for each.
+constexpr double curved = 1.8;
 
 /// A simulation and one adjoint: one group steps for all, and each has all temperatures.
 StageCost cost_of_temperature(const RunSize& size, SolverPath path, int groups, int lanes) {
   if (size.temperature_steps == 0.0) return {};
   const bool has_lanes = path == SolverPath::lanes;
-  const double solves = 2.0 * size.temperature_steps;
+  const double solves = 2.0 * (size.curved_heat ? curved : 1.0) * size.temperature_steps;
   return {
       .held = size.solid_nodes * size.temperature_steps * sizeof(double) * groups,
       .solving = size.solid_nodes * (has_lanes ? step_bytes_per_lane * lanes : reference_step_bytes) * groups,
-      .work = work_of_step * size.temperature_steps,
+      .work = 0.5 * work_of_step * solves,
       .seconds = solves * size.solid_nodes * (has_lanes ? seconds_per_node : reference_seconds_per_node) *
                  groups / size.ranks};
 }

@@ -30,6 +30,7 @@ constexpr Usual yield_strains{1e-5, 0.1};       // metals: 0.0005 to 0.02
 constexpr Usual densities{100.0, 30000.0};      // kg/m^3; aluminium 2700, tungsten 19300
 constexpr Usual capacities{50.0, 10000.0};      // J/(kg K); gold 130, aluminium 900
 constexpr Usual conductivities{0.1, 5000.0};    // W/(m K); titanium 7, copper 400
+constexpr Usual heat_factors{0.1, 15.0};        // of a solid: 0.5 to 12, where iron transforms
 constexpr Usual biot_numbers{1e-7, 50.0};       // of an element; arc welding: 1e-5 to 0.1
 constexpr Usual rates{0.005, 200.0};            // kg/h; arc welding: 0.3 to 20
 constexpr Usual speed_ratios{0.5, 2.0};         // density, bead's section, speed over rate
@@ -220,6 +221,13 @@ class UnlikelyNumbers {
           formatted("W/(length K); steel: %.3g", 40.0 * *metres_));
   }
 
+  /// Factors that are conductivities or heat capacities themselves.
+  void check_factors(const char* key, const std::vector<double>& factors, const char* of) {
+    for (const double factor : factors)
+      if (!heat_factors.has(factor))
+        return say(key, formatted("%g", factor), formatted("factors on material.%s, between 0.1 and 15", of));
+  }
+
   /// Heat that gets through thirty elements in one step, as no step is meant to.
   void check_fourier(const std::string& key, const ThermalProperties& properties) {
     const double welding = properties.mass_density * part_.volume / (part_.layers * properties.rate) +
@@ -240,6 +248,9 @@ class UnlikelyNumbers {
     check_temperatures(thermal, properties.vanishing);
     check_heat_input(thermal, capacity, properties);
     check_conduction(thermal, capacity, properties);
+    const MaterialSettings& material = settings_.material;
+    check_factors("/material/conductivity_factors", material.conductivity_factors, "conductivity");
+    check_factors("/material/heat_capacity_factors", material.heat_capacity_factors, "heat_capacity");
     const double biot = thermal.film_coefficient * part_.smallest_spacing / properties.conductivity;
     if (thermal.film_coefficient > 0.0 && !biot_numbers.has(biot))
       say("/thermal/film_coefficient",

@@ -63,9 +63,11 @@ RunSize run_size(const ModelSettings& settings, const Part<Dim>& part, const Res
   size.layers = layers;
   size.ranks = ranks;
   size.solid_nodes = static_cast<double>(solid_nodes);
-  if (settings.thermal)
-    size.temperature_steps =
-        layers * ThermalProperties(*settings.thermal, settings.material, settings.process).steps();
+  if (settings.thermal) {
+    const ThermalProperties properties(*settings.thermal, settings.material, settings.process);
+    size.temperature_steps = layers * properties.steps();
+    size.curved_heat = !properties.constant();
+  }
   size.flow_steps = flow_steps(settings, layers);
   size.warm = !settings.solver.tolerance;
   size.cases = static_cast<int>(strain_cases<Dim>(settings.material).cases.size());

@@ -42,7 +42,7 @@ Section<MaterialSettings> material_keys() {
       .key("hardening", &Its::hardening, "Stress per plastic strain, isotropic",
            {.range = "[0, inf)", .unit = "stress"})
       .key("temperatures", &Its::temperatures,
-           "Ascending temperatures of the three lists below; linear between them, constant beyond",
+           "Ascending temperatures of the lists of factors and elongations; linear between, constant beyond",
            {.type = KeyType::list, .default_value = "[]", .unit = "degrees C"})
       .key("young_factors", &Its::young_factors, "Factors on young at these temperatures; empty: 1",
            {.type = KeyType::list, .default_value = "[]", .range = "(0, inf)"})
@@ -57,6 +57,11 @@ Section<MaterialSettings> material_keys() {
            {.range = "(0, inf)", .words = "none", .unit = "W/(length*K)"})
       .key("heat_capacity", &Its::heat_capacity, "Specific heat capacity",
            {.range = "(0, inf)", .words = "none", .unit = "J/(kg*K)"})
+      .key("conductivity_factors", &Its::conductivity_factors,
+           "Factors on the material's own conductivity at these temperatures; empty: 1",
+           {.type = KeyType::list, .default_value = "[]", .range = "(0, inf)"})
+      .key("heat_capacity_factors", &Its::heat_capacity_factors, "Factors on its heat_capacity; empty: 1",
+           {.type = KeyType::list, .default_value = "[]", .range = "(0, inf)"})
       .key("solidification", &Its::solidification, "Temperature at which it solidifies",
            {.range = "(-273.15, inf)", .words = "none", .unit = "degrees C"})
       .key("inherent_strain",

@@ -28,6 +28,8 @@ void check_curves(const MaterialSettings& material) {
   check("/material/young_factors", material.young_factors);
   check("/material/yield_factors", material.yield_factors);
   check("/material/elongations", material.elongations);
+  check("/material/conductivity_factors", material.conductivity_factors);
+  check("/material/heat_capacity_factors", material.heat_capacity_factors);
 }
 
 }  // namespace

@@ -21,10 +21,10 @@ constexpr int most_rounds = 12;
 template <int Dim>
 class PauseSearch {
  public:
-  PauseSearch(const ThermalModel<Dim>& model, HeatSolver<Dim>& solver, const std::vector<double>& density,
-              const ThermalLayer& layer, int number, double excess)
+  PauseSearch(const ThermalModel<Dim>& model, HeatSolver<Dim>& solver, const SolveTolerance& tolerance,
+              const std::vector<double>& density, const ThermalLayer& layer, int number, double excess)
       : model_(model),
-        steps_(model, solver),
+        steps_(model, solver, tolerance),
         density_(density),
         layer_(layer),
         number_(number),
@@ -101,15 +101,15 @@ class PauseSearch {
 /// Finds the pauses. With several passes a layer, theirs are the one that is sought: guessed from the layer
 /// before and corrected until both agree.
 template <int Dim>
-double find_pauses(const ThermalModel<Dim>& model, HeatSolver<Dim>& solver, const LayerDensities& densities,
-                   double limit, std::span<double> seconds) {
+double find_pauses(const ThermalModel<Dim>& model, HeatSolver<Dim>& solver, const SolveTolerance& tolerance,
+                   const LayerDensities& densities, double limit, std::span<double> seconds) {
   std::vector<double> theta = model.start(), capacity_before = model.first_capacity();
   double welding = 0.0, guess = model.properties.pause;
   for (int number = 0; number < densities.count(); ++number) {
     ThermalLayer layer = model.layer(densities, number);
     welding += std::max(layer.mass, 0.0) / model.properties.rate;
     if (number + 1 == densities.count()) break;
-    PauseSearch<Dim> search(model, solver, densities.layer[number], layer, number,
+    PauseSearch<Dim> search(model, solver, tolerance, densities.layer[number], layer, number,
                             limit - model.properties.ambient);
     const int rounds = model.properties.passes > 1 ? most_rounds : 1;
     std::vector<double> after;

@@ -24,9 +24,10 @@ bool uses_interpass(const TemperatureAdjoint& functional, int number) {
 
 template <int Dim>
 BackwardSteps<Dim>::BackwardSteps(const ThermalModel<Dim>& model, HeatSolver<Dim>& solver,
-                                  const LayerTemperatures& temperatures, const LayerDensities& densities,
+                                  const SolveTolerance& tolerance, const LayerTemperatures& temperatures,
+                                  const LayerDensities& densities,
                                   std::span<const TemperatureAdjoint> functionals, int lanes)
-    : model_(model), steps_(model, solver), temperatures_(temperatures), densities_(densities) {
+    : model_(model), steps_(model, solver, tolerance), temperatures_(temperatures), densities_(densities) {
   const auto nodes = static_cast<std::size_t>(model.owned_nodes());
   for (std::size_t first = 0; first < functionals.size(); first += lanes) {
     const std::size_t count = std::min<std::size_t>(lanes, functionals.size() - first);
@@ -118,31 +119,33 @@ void BackwardSteps<Dim>::back_through(int number, const ThermalLayer& layer,
     const ThermalStep& step = schedule[i];
     if (i + 1 == static_cast<std::size_t>(model_.properties.welding_steps)) add_end(number, 0);
     if (i + 1 == schedule.size() || step.seconds != schedule[i + 1].seconds) steps_.set(layer, step.seconds);
-    solve(step_name(number, i) + ", backwards");
     const std::vector<double> before = spread_out(temperatures_.before(number, i), model_.nodes, all_nodes),
                               after =
                                   spread_out(temperatures_.after_steps[number][i], model_.nodes, all_nodes);
+    solve(after, step_name(number, i) + ", backwards");
     const std::span<const double> capacity = i == 0 ? capacity_before : std::span(layer.capacity);
     for (Block& block : blocks_) {
       if (!block.active) continue;
       add_step(block, layer, step, before, after, i == 0);
-      for (const int node : model_.nodes)
+      for (const int node : model_.nodes) {
+        const double stored = capacity[node] * model_.properties.storage.value(before[node]);
         for (int lane = 0; lane < block.lanes(); ++lane)
-          block.theta(node, lane) = capacity[node] * block.lambda(node, lane);
+          block.theta(node, lane) = stored * block.lambda(node, lane);
+      }
     }
   }
 }
 
 /// All active blocks.
 template <int Dim>
-void BackwardSteps<Dim>::solve(const std::string& what) {
+void BackwardSteps<Dim>::solve(std::span<const double> theta, const std::string& what) {
   std::vector<LaneVector> loads, lambdas;
   for (Block& block : blocks_) {
     if (!block.active) continue;
     loads.push_back(std::move(block.theta));
     lambdas.push_back(std::move(block.lambda));
   }
-  steps_.solve_adjoint(loads, lambdas, what);
+  steps_.solve_adjoint(theta, loads, lambdas, what);
   std::size_t next = 0;
   for (Block& block : blocks_) {
     if (!block.active) continue;
@@ -157,28 +160,34 @@ void BackwardSteps<Dim>::add_step(Block& block, const ThermalLayer& layer, const
                                   bool is_first) {
   const int lanes = block.lanes();
   std::vector<double>& of_before = is_first ? block.capacity_before : block.capacity;
-  for (const int node : model_.nodes)
+  const ThermalProperties& properties = model_.properties;
+  std::vector<double> potential(theta_after.size(), 0.0);
+  for (const int node : model_.nodes) {
+    const double stored_before = properties.storage.integral(theta_before[node]),
+                 stored_after = properties.storage.integral(theta_after[node]);
+    potential[node] = properties.conduction.integral(theta_after[node]);
     for (int lane = 0; lane < lanes; ++lane) {
       const std::size_t at = static_cast<std::size_t>(node) * lanes + lane;
       const double lambda = block.lambda.values[at], product = lambda * theta_after[node];
-      block.capacity[at] -= product;
-      of_before[at] += lambda * theta_before[node];
+      block.capacity[at] -= lambda * stored_after;
+      of_before[at] += lambda * stored_before;
       block.film[at] -= step.seconds * product;
       if (!step.welding) continue;
       block.heat[at] += lambda;
       block.seconds[lane] -= layer.film[node] * product;
     }
-  add_conduction(block, layer, step, theta_after);
+  }
+  add_conduction(block, layer, step, potential);
 }
 
-/// lambda_e . (int grad N . grad N) theta'_e of every element: the flow is the same in all lanes.
+/// lambda_e . (int grad N . grad N) phi'_e of every element: the flow is the same in all lanes.
 template <int Dim>
 void BackwardSteps<Dim>::add_conduction(Block& block, const ThermalLayer& layer, const ThermalStep& step,
-                                        std::span<const double> theta_after) {
+                                        std::span<const double> potential) {
   constexpr int corners = corner_count<Dim>;
   const Grid<Dim>& grid = model_.part.grid();
   const int lanes = block.lanes();
-  const std::vector<double> theta = ghosted(theta_after, 1), lambda = ghosted(block.lambda.values, lanes);
+  const std::vector<double> phi = ghosted(potential, 1), lambda = ghosted(block.lambda.values, lanes);
   const auto& matrix = model_.element.conductivity();
   std::size_t next = 0;  // part element
   for (std::size_t e = 0; e < layer.share.size(); ++e) {
@@ -189,7 +198,7 @@ void BackwardSteps<Dim>::add_conduction(Block& block, const ThermalLayer& layer,
     if (layer.share[e] == 0.0) continue;
     const std::size_t first = model_.domain.first_corners[e];
     std::array<double, corners> value{}, flow{};
-    for (int j = 0; j < corners; ++j) value[j] = theta[first + grid.corner_offsets()[j]];
+    for (int j = 0; j < corners; ++j) value[j] = phi[first + grid.corner_offsets()[j]];
     for (int i = 0; i < corners; ++i)
       for (int j = 0; j < corners; ++j) flow[i] += matrix[i * corners + j] * value[j];
     for (int lane = 0; lane < lanes; ++lane) {

@@ -16,7 +16,7 @@ template <int Dim>
 class BackwardSteps {
  public:
   /// All arguments must outlive the object. `lanes`: functionals in a block at most.
-  BackwardSteps(const ThermalModel<Dim>& model, HeatSolver<Dim>& solver,
+  BackwardSteps(const ThermalModel<Dim>& model, HeatSolver<Dim>& solver, const SolveTolerance& tolerance,
                 const LayerTemperatures& temperatures, const LayerDensities& densities,
                 std::span<const TemperatureAdjoint> functionals, int lanes);
 
@@ -44,12 +44,13 @@ class BackwardSteps {
   /// Adds dJ/dtheta at the end of a layer's deposition, 0, or pause, 1.
   void add_end(int number, int end);
   void back_through(int number, const ThermalLayer& layer, std::span<const double> capacity_before);
-  void solve(const std::string& what);
+  /// Solves for the adjoint of a step that ends at these temperatures.
+  void solve(std::span<const double> theta, const std::string& what);
   /// What a step's adjoint amounts to by what the step is made of.
   void add_step(Block& block, const ThermalLayer& layer, const ThermalStep& step,
                 std::span<const double> theta_before, std::span<const double> theta_after, bool is_first);
   void add_conduction(Block& block, const ThermalLayer& layer, const ThermalStep& step,
-                      std::span<const double> theta_after);
+                      std::span<const double> potential);
   /// What has been added up over the steps of a layer, by its densities.
   void add_densities(Block& block, int number, const ThermalLayer& layer);
   void add_to_functional(const Block& block, int lane, int number, std::span<const double> of_stage,

@@ -12,8 +12,9 @@ namespace fabseq {
 template <int Dim>
 TemperatureSimulation<Dim>::TemperatureSimulation(const ThermalModel<Dim>& model,
                                                   std::unique_ptr<HeatSolver<Dim>> solver,
-                                                  const LayerGroups& groups, int lanes)
-    : model_(model), groups_(groups), solver_(std::move(solver)), lanes_(lanes) {
+                                                  const SolveTolerance& tolerance, const LayerGroups& groups,
+                                                  int lanes)
+    : model_(model), groups_(groups), solver_(std::move(solver)), tolerance_(tolerance), lanes_(lanes) {
   result_.nodes = model.nodes;
 }
 
@@ -45,7 +46,7 @@ const LayerTemperatures& TemperatureSimulation<Dim>::simulate(const LayerDensiti
 
 template <int Dim>
 void TemperatureSimulation<Dim>::run(const LayerDensities& densities) {
-  TemperatureSteps<Dim> steps(model_, *solver_);
+  TemperatureSteps<Dim> steps(model_, *solver_, tolerance_);
   std::vector<double> theta = model_.start(), capacity_before = model_.first_capacity();
   for (int number = 0; number < densities.count(); ++number) {
     ThermalLayer layer = model_.layer(densities, number, result_.region(number));
@@ -77,7 +78,7 @@ template <int Dim>
 void TemperatureSimulation<Dim>::pull_back(const LayerDensities& densities,
                                            std::span<const TemperatureAdjoint> functionals) {
   if (functionals.empty()) return;
-  BackwardSteps<Dim>(model_, *solver_, result_, densities, functionals, lanes_).run();
+  BackwardSteps<Dim>(model_, *solver_, tolerance_, result_, densities, functionals, lanes_).run();
   if (solver_->saves_memory()) solver_->release_memory();
 }
 
@@ -86,7 +87,8 @@ NeededPauses TemperatureSimulation<Dim>::needed_pauses(const LayerDensities& den
   // A copy that cannot be found is a negative number on its way to the other groups.
   std::vector<double> seconds(densities.count(), 0.0), welding(1, 0.0);
   groups_.run([&] {
-    if (groups_.index() == 0) welding[0] = find_pauses(model_, *solver_, densities, limit, seconds);
+    if (groups_.index() == 0)
+      welding[0] = find_pauses(model_, *solver_, tolerance_, densities, limit, seconds);
   });
   groups_.broadcast(0, seconds);
   groups_.broadcast(0, welding);

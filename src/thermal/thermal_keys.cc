@@ -36,6 +36,12 @@ void require(const char* key, const char* of_material, bool given) {
          "a number, or the material's");
 }
 
+/// The material's curve; a number in the block itself holds at all temperatures.
+IntegratedCurve curve_of(const MaterialSettings& material, const std::vector<double>& factors,
+                         bool of_material, double ambient) {
+  return of_material ? IntegratedCurve(material.temperatures, factors, ambient) : IntegratedCurve();
+}
+
 }  // namespace
 
 Section<ThermalSettings> thermal_keys() {
@@ -91,6 +97,8 @@ void check_thermal(const ThermalSettings& thermal, const MaterialSettings& mater
 ThermalProperties::ThermalProperties(const ThermalSettings& thermal, const MaterialSettings& material,
                                      const ProcessSettings& process)
     : conductivity(thermal.conductivity ? *thermal.conductivity : material.conductivity.value()),
+      conduction(curve_of(material, material.conductivity_factors, !thermal.conductivity, thermal.ambient)),
+      storage(curve_of(material, material.heat_capacity_factors, !thermal.heat_capacity, thermal.ambient)),
       capacity(*material.mass_density *
                (thermal.heat_capacity ? *thermal.heat_capacity : material.heat_capacity.value())),
       heat(thermal.heat_input * *material.mass_density),

@@ -72,14 +72,6 @@ ThermalModel<Dim>::ThermalModel(const Part<Dim>& part_, const ThermalProperties&
     nodes.push_back(static_cast<int>(offset));
     if (part.on_plate(node)) held_.push_back(static_cast<int>(offset));
   });
-  if (properties.plate_excess() == 0.0) return;
-  std::vector<double> lift(touched.size(), 0.0);
-  hold(lift);
-  plate_lift_ = grid.exchange(1).ghosted(lift);
-  for (std::size_t e = 0; e < elements.size(); ++e)
-    if (std::ranges::any_of(grid.corner_offsets(),
-                            [&](int corner) { return plate_lift_[domain.first_corners[e] + corner] != 0.0; }))
-      beside_plate_.push_back(static_cast<int>(e));
 }
 
 template <int Dim>
@@ -120,22 +112,26 @@ std::vector<double> ThermalModel<Dim>::film_of(std::span<const double> standing)
   return sum_of(ghosted);
 }
 
-/// Right-hand side of the free nodes due to the prescribed plate temperature.
 template <int Dim>
-std::vector<double> ThermalModel<Dim>::flow_to_plate(std::span<const double> share) const {
+std::vector<double> ThermalModel<Dim>::conducted(std::span<const double> share,
+                                                 std::span<const double> potential) const {
   const Grid<Dim>& grid = part.grid();
   constexpr int corners = corner_count<Dim>;
-  std::vector<double> ghosted(static_cast<std::size_t>(grid.ghosted_nodes().count()), 0.0);
-  for (const int e : beside_plate_)
-    for (int i = 0; i < corners; ++i) {
-      double flow = 0.0;
-      for (int j = 0; j < corners; ++j)
-        flow += element.conductivity()[i * corners + j] *
-                plate_lift_[domain.first_corners[e] + grid.corner_offsets()[j]];
-      ghosted[domain.first_corners[e] + grid.corner_offsets()[i]] +=
-          properties.conductivity * share[e] * flow;
+  const std::vector<double> values = grid.exchange(1).ghosted(potential);
+  std::vector<double> flow(values.size(), 0.0);
+  const auto& matrix = element.conductivity();
+  for (std::size_t e = 0; e < share.size(); ++e) {
+    if (share[e] == 0.0) continue;
+    std::array<double, corners> of_element{};
+    for (int j = 0; j < corners; ++j) {
+      const double value =
+          properties.conductivity * share[e] * values[domain.first_corners[e] + grid.corner_offsets()[j]];
+      for (int i = 0; i < corners; ++i) of_element[i] += matrix[i * corners + j] * value;
     }
-  return sum_of(ghosted);
+    for (int i = 0; i < corners; ++i)
+      flow[domain.first_corners[e] + grid.corner_offsets()[i]] += of_element[i];
+  }
+  return sum_of(flow);
 }
 
 template <int Dim>
@@ -158,10 +154,6 @@ ThermalLayer ThermalModel<Dim>::layer(const LayerDensities& densities, int numbe
   } else {
     result.film.assign(domain.fixed.size(), 0.0);
   }
-  if (plate_lift_.empty())
-    result.to_plate.assign(domain.fixed.size(), 0.0);
-  else
-    result.to_plate = flow_to_plate(result.share);
   result.heat = lumped(part.first_corners(), new_material, properties.heat * part.grid().element_volume());
   return result;
 }

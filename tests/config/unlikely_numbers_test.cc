@@ -109,6 +109,9 @@ TEST(UnlikelyNumbers, WithoutAUnitTheFourierNumberTells) {
 TEST(UnlikelyNumbers, OtherUnits) {
   EXPECT_EQ(key_of({{"thermal.heat_capacity", "0.6"}}), "/thermal/heat_capacity");
   EXPECT_EQ(key_of({{"thermal.film_coefficient", "20"}}), "/thermal/film_coefficient");
+  for (const std::string key : {"conductivity_factors", "heat_capacity_factors"})
+    EXPECT_EQ(key_of({{"material.temperatures", "[20, 700]"}, {"material." + key, "[440, 1000]"}}),
+              "/material/" + key);
   EXPECT_EQ(key_of({{"material.yield_stress", "4e8"}}), "/material/yield_stress");
   EXPECT_EQ(key_of({{"material.young", "2.1e11"}}), "/material/yield_stress");
   EXPECT_EQ(key_of({{"process.dwell", "120000"}}), "/process/dwell");

@@ -75,20 +75,23 @@ def limits(up):
 
 
 def add_heat(config):
-    """Strains that follow the temperature of the part, with a few hundred degrees between its layers."""
-    config["thermal"] = {"conductivity": 30, "heat_capacity": 600, "heat_input": 2e6, "vanishing": 1400, "reference": 40,
-                         "film_coefficient": 60, "plate": 60, "passes": 2, "steps": [2, 1]}
+    """Strains by the temperature of the part, with a few hundred degrees between its layers. Its material
+    conducts and stores heat by its temperature."""
+    config["thermal"] = {"heat_input": 2e6, "vanishing": 1400, "reference": 40, "film_coefficient": 60, "plate": 60,
+                         "passes": 2, "steps": [2, 1]}
+    config["material"].update({"conductivity": 30, "heat_capacity": 600, "temperatures": [20, 400, 900, 1400],
+                               "conductivity_factors": [1.3, 1, 0.7, 0.6], "heat_capacity_factors": [0.7, 1, 1.5, 1.1]})
 
 
 def problem(dimension, design, void, turning):
     config, up = part(dimension), "y" if dimension == 2 else "z"
     warm = turning or design == "times of elements"
-    if warm:
-        add_heat(config)
     constant = [-0.01, -0.008, 0.003] if dimension == 2 else [-0.01, -0.008, -0.012, 0.003, 0, -0.002]
     config["process"] = {"void": void, "deposition": "nominal" if turning else "follow", "deposition_rate": 2.5, "dwell": 60}
     config["material"] = {"inherent_strain": {"tangential": -0.01, "normal": 0.002} if turning else constant,
                           "mass_density": 7.85}
+    if warm:
+        add_heat(config)
     of_the_build = [{"type": "build_time", "limit": 3}] + ([{"type": "interpass_temperature", "limit": 300}] if warm else [])
     config["objective"] = distortions(up) + [{"type": "build_time"}]
     scenarios = void == "quiet"
@@ -134,7 +137,7 @@ def add_flow(config, heated):
     config["process"].update({"model": "elastoplastic", "deposition": "nominal"})
     config["material"].update({"yield_stress": 0.0015, "hardening": 0.02})
     if heated:
-        config["material"].update({"temperatures": [20, 400, 900, 1400], "young_factors": [1, 0.8, 0.3, 0.05],
+        config["material"].update({"young_factors": [1, 0.8, 0.3, 0.05],
                                    "yield_factors": [1, 0.7, 0.2, 0.04], "elongations": [0, 0.005, 0.013, 0.02],
                                    "cut_off": 1150})
     else:

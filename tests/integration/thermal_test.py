@@ -3,6 +3,7 @@
 
 import h5py
 import numpy as np
+from scipy.integrate import solve_ivp
 
 import run_fabseq
 from run_fabseq import FabseqTest, SANITIZED, distinct, largest_relative_difference
@@ -22,6 +23,49 @@ def warmed(config, **keys):
 
 def interpass(record):
     return [layer["interpass_temperature"] for layer in record["layers"]]
+
+
+BAR_CURVES = {"temperatures": [20, 400, 700, 735, 770, 900], "conductivity_factors": [1.3, 1, 0.75, 0.72, 0.7, 0.67],
+              "heat_capacity_factors": [0.73, 1, 1.66, 3.3, 1.8, 1.07]}
+
+
+def bar(steps):
+    """A bar of mild steel on a held plate, four layers of two elements, without losses through its sides."""
+    return {"domain": {"size": [4.0, 16.0], "elements": [2, 8], "thickness": 10.0},
+            "part": {"box": {"min": [0, 0], "max": [4, 16]}}, "build_plate": "y-",
+            "material": {"mass_density": 7.85e-6, "conductivity": 0.0407, "heat_capacity": 606, "solidification": 1450,
+                         **BAR_CURVES},
+            "process": {"deposition_rate": 0.6, "dwell": 2.0}, "thermal": {"heat_input": 1.2e6, "steps": [steps, steps]},
+            "sequence": {"type": "planar", "direction": [0, 1]}, "layers": {"count": 4},
+            "objective": [{"type": "distortion", "measure": "layerwise"}], "solver": {"tolerance": 1e-8}}
+
+
+def bar_by_scipy():
+    """Mean temperature of each layer of the bar as its pause ends: heat of its planes of nodes, by BDF."""
+    celsius = np.linspace(20, 3000, 60001)
+
+    def integral(base, factors):
+        values = base * np.interp(celsius, BAR_CURVES["temperatures"], BAR_CURVES[factors])
+        return np.concatenate([[0], np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(celsius))])
+    flow, stored = integral(0.0407, "conductivity_factors"), integral(7.85e-6 * 606, "heat_capacity_factors")
+    section, edge, energy, means = 40.0, 2.0, np.zeros(9), []
+    mass = 7.85e-6 * section * 2 * edge
+    welding, shares = mass / (0.6 / 3600), np.array([0.25, 0.5, 0.25])
+
+    def rates(_, now, power, volume):
+        along = section / edge * np.diff(np.interp(now / volume, stored, flow))
+        change = power - np.append(0, along) + np.append(along, 0)
+        change[0] = 0  # on the plate
+        return change
+    for top in (2, 4, 6, 8):
+        volume, power = np.full(top + 1, section * edge), np.zeros(top + 1)
+        volume[[0, top]] /= 2
+        power[top - 2:] = shares * 1.2e6 * mass / welding
+        for seconds, source in ((welding, power), (2.0, 0 * power)):
+            solved = solve_ivp(rates, (0, seconds), energy[:top + 1], method="BDF", args=(source, volume), rtol=1e-7, atol=1e-5)
+            energy[:top + 1] = solved.y[:, -1]
+        means.append(np.interp(energy[:top + 1] / volume, stored, celsius)[top - 2:] @ shares)
+    return means
 
 
 class ThermalTest(FabseqTest):
@@ -113,6 +157,20 @@ class ThermalTest(FabseqTest):
         self.assertLess(largest_relative_difference(means, interpass(binary.json("summary.json"))[1:]), 1e-6)
         self.assertIn("  interpass, deg C  ", binary.stdout)
 
+    def test_properties_that_follow_the_temperature(self):
+        """Extrapolated to short steps, temperatures are those that SciPy finds."""
+        found = []
+        for steps in (64, 128):
+            run = self.run_config(1, bar(steps), "-task", "simulate", "-binary")
+            self.assert_done(run)
+            with h5py.File(run.path("result.h5"), "r") as file:
+                field, layer = file["interpass_temperature"][()], file["layer"][()]
+            found.append([field[layer == number].mean() for number in range(1, 5)])
+        limit = 2 * np.array(found[1]) - found[0]
+        expected = np.array(bar_by_scipy())
+        self.assertGreater(expected.max(), 740)  # beyond the peak of the heat capacity
+        self.assertLess(np.abs(limit - expected).max(), 2e-5 * expected.max())
+
     def test_with_its_pauses_a_layer_begins_at_the_limit(self):
         config = warmed(plate_2d(), interpass_limit=150, passes=1, steps=[4, 200])
         config["layers"]["count"] = 2
@@ -140,6 +198,9 @@ class ThermalTest(FabseqTest):
         self.assert_done(run)
         for words in ("diffusion length", "Fourier number", "it costs 16 solves"):
             self.assertIn(words, run.stdout)
+        run = self.run_config(1, bar(2), "-task", "check")
+        self.assert_done(run)
+        self.assertIn("it costs 16 times about three solves", run.stdout)
 
     def test_what_is_missing_is_named(self):
         def message(change):

@@ -15,15 +15,20 @@ namespace fabseq {
 namespace {
 
 constexpr const char* warm =
-    R"({"conductivity": 0.03, "heat_capacity": 600, "heat_input": 2.5e6, "vanishing": 1400,
-  "film_coefficient": 5e-5, "ambient": 15, "plate": 60, "passes": 3, "steps": [2, 2]})";
+    R"({"heat_input": 2.5e6, "vanishing": 1400, "film_coefficient": 5e-5, "ambient": 15,
+  "plate": 60, "passes": 3, "steps": [2, 2]})";
 
 /// The gallows, in a length unit that makes diffusion cross a few elements a step.
 inline Settings with_heat(const std::string& thermal) {
-  return {{"material.mass_density", "7.85"}, {"process.deposition_rate", "2.5"},
-          {"process.dwell", "40"},           {"thermal", thermal},
-          {"thermal.conductivity", "30"},    {"thermal.film_coefficient", "50"}};
+  return {{"material.mass_density", "7.85"}, {"process.deposition_rate", "2.5"}, {"process.dwell", "40"},
+          {"material.conductivity", "30"},   {"material.heat_capacity", "600"},  {"thermal", thermal},
+          {"thermal.film_coefficient", "50"}};
 }
+/// Conducts less and stores more as it gets hot, with a peak.
+inline const Settings curves = {{"thermal.heat_input", "2e7"},
+                                {"material.temperatures", "[20, 300, 700, 735, 770, 900]"},
+                                {"material.conductivity_factors", "[1.3, 1.1, 0.7, 0.68, 0.66, 0.6]"},
+                                {"material.heat_capacity_factors", "[0.7, 0.95, 1.7, 4, 1.6, 1.05]"}};
 inline const Settings no_losses = {{"thermal.film_coefficient", "0"}};
 /// The gallows hang on a substrate off the plate.
 template <int Dim>
@@ -97,27 +102,52 @@ template <class T>
 class TemperatureSimulationTest : public testing::Test {};
 TYPED_TEST_SUITE(TemperatureSimulationTest, test::Dimensions);
 
-/// Without losses, what a layer's heat brings is stored: C' theta' - C theta.
+/// Without losses, what a layer's heat brings is stored: C' h(theta') - C h(theta).
 TYPED_TEST(TemperatureSimulationTest, EnergyIsConserved) {
   constexpr int Dim = TypeParam::value;
-  HeatedGallows<Dim> gallows(test::operator+(off_the_plate<Dim>(), no_losses));
-  const ThermalModel<Dim>& model = gallows.temperature.thermal;
-  const LayerTemperatures& result = gallows.temperature.simulation.simulate(gallows.densities);
-  const auto stored = [&](const std::vector<double>& capacity, const std::vector<double>& theta) {
-    std::vector<double> energy = picked(capacity, model.nodes);
-    for (std::size_t i = 0; i < energy.size(); ++i) energy[i] *= theta[i];
-    return gallows.total(energy);
-  };
-  double before = stored(model.first_capacity(), result.start), brought = before;
-  EXPECT_GT(before, 0.0);
-  for (int j = 0; j < result.count(); ++j) {
-    const ThermalLayer layer = model.layer(gallows.densities, j);
-    for (std::size_t i = 0; i < result.after_steps[j].size(); ++i) {
-      if (i < 2) brought += 0.5 * gallows.total(layer.heat);
-      const double now = stored(layer.capacity, result.after_steps[j][i]);
-      EXPECT_NEAR(now, brought, 1e-11 * brought) << "layer " << j << ", step " << i;
+  for (const Settings& material : {Settings{}, curves}) {
+    HeatedGallows<Dim> gallows(test::operator+(test::operator+(off_the_plate<Dim>(), no_losses), material));
+    const ThermalModel<Dim>& model = gallows.temperature.thermal;
+    const LayerTemperatures& result = gallows.temperature.simulation.simulate(gallows.densities);
+    const auto stored = [&](const std::vector<double>& capacity, const std::vector<double>& theta) {
+      std::vector<double> energy = picked(capacity, model.nodes);
+      for (std::size_t i = 0; i < energy.size(); ++i)
+        energy[i] *= model.properties.storage.integral(theta[i]);
+      return gallows.total(energy);
+    };
+    double before = stored(model.first_capacity(), result.start), brought = before;
+    EXPECT_GT(before, 0.0);
+    for (int j = 0; j < result.count(); ++j) {
+      const ThermalLayer layer = model.layer(gallows.densities, j);
+      for (std::size_t i = 0; i < result.after_steps[j].size(); ++i) {
+        if (i < 2) brought += 0.5 * gallows.total(layer.heat);
+        const double now = stored(layer.capacity, result.after_steps[j][i]);
+        EXPECT_NEAR(now, brought, (material.empty() ? 1e-11 : 1e-10) * brought)
+            << "layer " << j << ", step " << i;
+      }
     }
   }
+}
+
+/// A material that conducts and stores by the same factors has potentials which are the temperatures of one
+/// with constant properties.
+TYPED_TEST(TemperatureSimulationTest, PotentialsOfEqualCurvesAreLinear) {
+  constexpr int Dim = TypeParam::value;
+  Settings equal = test::operator+(curves, no_losses);
+  equal.emplace_back("material.conductivity_factors", "[0.7, 0.95, 1.7, 4, 1.6, 1.05]");
+  HeatedGallows<Dim> curved(equal);
+  const IntegratedCurve& curve = curved.temperature.thermal.properties.conduction;
+  const std::string plate = formatted("%.17g", 15.0 + curve.integral(60.0 - 15.0));
+  HeatedGallows<Dim> linear(test::operator+(no_losses, {curves[0], {"thermal.plate", plate}}));
+  const auto& found = curved.temperature.simulation.simulate(curved.densities);
+  const auto& expected = linear.temperature.simulation.simulate(linear.densities);
+  double hottest = 0.0;
+  for (int j = 0; j < found.count(); ++j)
+    for (std::size_t i = 0; i < found.nodes.size(); ++i) {
+      EXPECT_NEAR(curve.integral(found.at_end(j)[i]), expected.at_end(j)[i], 1e-7);
+      hottest = std::max(hottest, found.at_end(j)[i]);
+    }
+  EXPECT_GT(max(curved.setup.grid.comm(), hottest), 800.0);
 }
 
 /// Nothing but the plate, the air and the heat of the wire makes a temperature.
@@ -130,7 +160,7 @@ TYPED_TEST(TemperatureSimulationTest, StaysAtTheAirsWithoutHeat) {
 
 TYPED_TEST(TemperatureSimulationTest, BothPathsAgree) {
   constexpr int Dim = TypeParam::value;
-  HeatedGallows<Dim> lanes(Settings{}), reference(Settings{{"solver.path", "reference"}});
+  HeatedGallows<Dim> lanes(curves), reference(test::operator+(curves, {{"solver.path", "reference"}}));
   const auto& found = lanes.temperature.simulation.simulate(lanes.densities);
   const auto& expected = reference.temperature.simulation.simulate(reference.densities);
   for (int j = 0; j < found.count(); ++j) {
@@ -145,8 +175,9 @@ TYPED_TEST(TemperatureSimulationTest, BothPathsAgree) {
 TYPED_TEST(TemperatureSimulationTest, DerivativesAgreeWithDifferences) {
   constexpr int Dim = TypeParam::value;
   constexpr int functionals = 3;
-  for (const Settings& settings : {Settings{{"solver.lanes", "2"}}, test::operator+
-                                   (test::on_clamped_substrate<Dim>(), {{"process.dwell", "0"}})}) {
+  for (const Settings& settings :
+       {Settings{{"solver.lanes", "2"}},
+        test::operator+(test::on_clamped_substrate<Dim>(), {{"process.dwell", "0"}}), curves}) {
     HeatedGallows<Dim> gallows(settings);
     const LayerDensities& densities = gallows.densities;
     gallows.temperature.simulation.simulate(densities);
@@ -196,24 +227,26 @@ TYPED_TEST(TemperatureSimulationTest, DerivativesAgreeWithDifferences) {
 /// With the pauses that it asks for, each layer begins at the limit.
 TYPED_TEST(TemperatureSimulationTest, PausesKeepTheLimit) {
   constexpr int Dim = TypeParam::value;
-  HeatedGallows<Dim> gallows(
-      Settings{{"thermal.passes", "1"}, {"process.dwell", "0"}, {"thermal.plate", "15"}});
-  const double limit =
-      15.0 + 0.5 * (gallows.temperature.simulation.simulate(gallows.densities).interpass.back() - 15.0);
-  const NeededPauses pauses = gallows.temperature.simulation.needed_pauses(gallows.densities, limit);
-  ASSERT_EQ(pauses.seconds.size(), static_cast<std::size_t>(gallows.densities.count()));
-  EXPECT_EQ(pauses.seconds.back(), 0.0);
-  EXPECT_GT(pauses.seconds[pauses.seconds.size() - 2].value(), 0.0);
-  // The longest of them for every layer cools more than enough.
-  double longest = 0.0;
-  for (const auto& pause : pauses.seconds) longest = std::max(longest, pause.value());
-  HeatedGallows<Dim> rested(Settings{{"thermal.plate", "15"},
-                                     {"thermal.passes", "1"},
-                                     {"process.dwell", std::to_string(longest)},
-                                     {"thermal.steps", "[2, 100]"}});
-  for (const double value : rested.temperature.simulation.simulate(rested.densities).interpass)
-    EXPECT_LT(value, 1.02 * limit);
-  EXPECT_NEAR(pauses.welding, 7.85 * gallows.setup.part.volume() / 2.5 * 3600.0, 1e-6 * pauses.welding);
+  for (const Settings& material : {Settings{}, curves}) {
+    HeatedGallows<Dim> gallows(test::operator+(
+        material, {{"thermal.passes", "1"}, {"process.dwell", "0"}, {"thermal.plate", "15"}}));
+    const double limit =
+        15.0 + 0.5 * (gallows.temperature.simulation.simulate(gallows.densities).interpass.back() - 15.0);
+    const NeededPauses pauses = gallows.temperature.simulation.needed_pauses(gallows.densities, limit);
+    ASSERT_EQ(pauses.seconds.size(), static_cast<std::size_t>(gallows.densities.count()));
+    EXPECT_EQ(pauses.seconds.back(), 0.0);
+    EXPECT_GT(pauses.seconds[pauses.seconds.size() - 2].value(), 0.0);
+    // The longest of them for every layer cools more than enough.
+    double longest = 0.0;
+    for (const auto& pause : pauses.seconds) longest = std::max(longest, pause.value());
+    HeatedGallows<Dim> rested(test::operator+(material, {{"thermal.plate", "15"},
+                                                         {"thermal.passes", "1"},
+                                                         {"process.dwell", std::to_string(longest)},
+                                                         {"thermal.steps", "[2, 100]"}}));
+    for (const double value : rested.temperature.simulation.simulate(rested.densities).interpass)
+      EXPECT_LT(value, 1.02 * limit);
+    EXPECT_NEAR(pauses.welding, 7.85 * gallows.setup.part.volume() / 2.5 * 3600.0, 1e-6 * pauses.welding);
+  }
 }
 
 TEST(ThermalPropertiesTest, StrainVanishesWhereMaterialSolidifies) {
@@ -233,6 +266,27 @@ TEST(ThermalPropertiesTest, StrainVanishesWhereMaterialSolidifies) {
   EXPECT_EQ(properties.strain_share_slope(750.0), -1.0 / 1300.0);
   EXPECT_EQ(properties.strain_share_slope(1500.0), 0.0);
   EXPECT_EQ(properties.rate, 1e-3);
+}
+
+TEST(ThermalPropertiesTest, NumbersOfTheBlockHoldAtAllTemperatures) {
+  MaterialSettings material;
+  material.mass_density = 8.0;
+  material.solidification = 1400.0;
+  material.conductivity = 1.0;
+  material.heat_capacity = 2.0;
+  material.temperatures = {0.0, 1000.0};
+  material.conductivity_factors = {1.0, 3.0};
+  material.heat_capacity_factors = {2.0, 1.0};
+  ThermalSettings settings;
+  ProcessSettings process;
+  process.deposition_rate = 3.6;
+  EXPECT_EQ(ThermalProperties(settings, material, process).conduction.value(480.0), 2.0);
+  EXPECT_EQ(ThermalProperties(settings, material, process).storage.value(480.0), 1.5);
+  settings.conductivity = 5.0;
+  EXPECT_TRUE(ThermalProperties(settings, material, process).conduction.is_one());
+  EXPECT_FALSE(ThermalProperties(settings, material, process).constant());
+  settings.heat_capacity = 5.0;
+  EXPECT_TRUE(ThermalProperties(settings, material, process).constant());
 }
 
 }  // namespace

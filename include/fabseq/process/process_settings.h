@@ -34,7 +34,7 @@ struct MaterialSettings {
   std::optional<double> mass_density = std::nullopt;  ///< kg / length^3
   std::optional<double> yield_stress = std::nullopt;  ///< stress unit
   double hardening = 0.0;                             ///< stress per plastic strain
-  // By temperature, for plastic flow (MaterialCurves); empty: no dependence.
+  // By temperature, for plastic flow (MaterialCurves) and heat (ThermalProperties); empty: no dependence.
   std::vector<double> temperatures = {};  ///< degrees Celsius, ascending
   std::vector<double> young_factors = {}, yield_factors = {};
   std::vector<double> elongations = {};          ///< free strain
@@ -43,6 +43,7 @@ struct MaterialSettings {
   std::optional<double> conductivity = std::nullopt;    ///< W/(length K)
   std::optional<double> heat_capacity = std::nullopt;   ///< J/(kg K)
   std::optional<double> solidification = std::nullopt;  ///< degrees Celsius
+  std::vector<double> conductivity_factors = {}, heat_capacity_factors = {};
 };
 
 enum class VoidModel { absent, quiet };

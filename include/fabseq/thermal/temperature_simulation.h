@@ -36,10 +36,10 @@ struct NeededPauses {
 template <int Dim>
 class TemperatureSimulation {
  public:
-  /// `lanes`: adjoints solved side by side at most. `solver`: on the model's domain, with lumped masses.
-  /// Model and groups must outlive the simulation.
+  /// `lanes`: adjoints solved side by side at most. `solver`: on the model's domain, with lumped masses, to
+  /// `tolerance`. Model and groups must outlive the simulation.
   TemperatureSimulation(const ThermalModel<Dim>& model, std::unique_ptr<HeatSolver<Dim>> solver,
-                        const LayerGroups& groups, int lanes = widest_block);
+                        const SolveTolerance& tolerance, const LayerGroups& groups, int lanes = widest_block);
 
   /// Temperatures of all layers; the result stays valid until the next call. Collective on the world of the
   /// groups. Throws NumericalError naming the layer if a solve does not converge.
@@ -57,7 +57,10 @@ class TemperatureSimulation {
 
   const ThermalModel<Dim>& model() const { return model_; }
   /// Later simulations and adjoints are solved to this tolerance. Collective on the grid's communicator.
-  void set_tolerance(const SolveTolerance& tolerance) { solver_->set_tolerance(tolerance); }
+  void set_tolerance(const SolveTolerance& tolerance) {
+    solver_->set_tolerance(tolerance);
+    tolerance_ = tolerance;
+  }
   /// Forgets what earlier solves have left for later ones. Collective on the grid's communicator.
   void start_cold() { solver_->start_cold(); }
   /// Gives back the memory of the last simulation's steps and of the solver; pull_back() needs a further
@@ -71,6 +74,7 @@ class TemperatureSimulation {
   const ThermalModel<Dim>& model_;
   const LayerGroups& groups_;
   std::unique_ptr<HeatSolver<Dim>> solver_;
+  SolveTolerance tolerance_;
   int lanes_;
   const StandingElements<Dim>* standing_ = nullptr;
   LayerTemperatures result_;

@@ -29,10 +29,8 @@ struct ThermalLayer {
   std::vector<double> share;  ///< a of each element of the domain
   std::vector<double> capacity;  ///< C, J/K
   std::vector<double> film;      ///< H, W/K
-  std::vector<double>
-      to_plate;              ///< flow from the free nodes to the held ones for theta = 0 there, W, negated
-  std::vector<double> heat;  ///< that its new material brings, J
-  double mass = 0.0;         ///< of that, kg, all ranks
+  std::vector<double> heat;      ///< that its new material brings, J
+  double mass = 0.0;             ///< of that, kg, all ranks
 };
 
 /// Temperatures are excesses theta = T - T_a at the nodes of part and substrate, K; nodal fields are on the
@@ -77,6 +75,8 @@ struct ThermalModel {
   static std::vector<double> weights(const std::vector<double>& layer_density);
   /// Returns the mean with these weights, as an excess.
   double interpass(const std::vector<double>& layer_density, std::span<const double> theta) const;
+  /// K times a field: what flows off each node, W, for potentials in K; `share`: ThermalLayer's.
+  std::vector<double> conducted(std::span<const double> share, std::span<const double> potential) const;
   /// Sets held nodes to the plate's temperature. Local.
   void hold(std::span<double> theta) const;
 
@@ -86,12 +86,9 @@ struct ThermalModel {
                const std::vector<int>& elements);
   std::vector<double> capacity_of(std::span<const double> share) const;
   std::vector<double> film_of(std::span<const double> standing) const;
-  std::vector<double> flow_to_plate(std::span<const double> share) const;
   std::vector<double> sum_of(std::span<const double> ghosted) const;
 
-  std::vector<int> held_;           ///< those of `nodes`
-  std::vector<int> beside_plate_;   ///< elements of the domain with held nodes
-  std::vector<double> plate_lift_;  ///< the plate's excess on held nodes, ghosted; empty: it has none
+  std::vector<int> held_;  ///< those of `nodes`
 };
 
 /// The values of a nodal field at these of its nodes, and back, 0 at others.

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "fabseq/process/process_settings.h"
+#include "fabseq/thermal/integrated_curve.h"
 
 #include <array>
 #include <optional>
@@ -43,6 +44,8 @@ struct ThermalProperties {
                     const ProcessSettings& process);
 
   double conductivity;                          ///< k, W/(length K)
+  IntegratedCurve conduction;                   ///< factor on it by the excess over the air, K
+  IntegratedCurve storage;                      ///< the same on the capacity
   double capacity;                              ///< mass density times heat capacity, J/(length^3 K)
   double heat;                                  ///< that new material brings, J/length^3
   double mass_density;                          ///< kg/length^3
@@ -56,6 +59,8 @@ struct ThermalProperties {
   /// Steps of a layer in all.
   int steps() const { return welding_steps + (pause > 0.0 ? pause_steps : 0); }
   double plate_excess() const { return plate - ambient; }
+  /// Whether heat is conducted and stored alike at all temperatures: steps are linear.
+  bool constant() const { return conduction.is_one() && storage.is_one(); }
   /// k over the capacity of the volume, length^2/s.
   double diffusivity() const { return conductivity / capacity; }
   /// s_j, the share of the inherent strain that a layer gets which begins at this temperature.
