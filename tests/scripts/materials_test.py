@@ -11,7 +11,8 @@ TEXTS = "name", "source", "comment"
 RANGES = {"young": (5e4, 3e5), "poisson": (0.25, 0.4), "mass_density": (2e-6, 1e-5), "yield_stress": (50, 1500),
           "conductivity": (5e-3, 0.3), "heat_capacity": (300, 1500), "solidification": (400, 1700)}
 FACTORS = "young_factors", "yield_factors"
-CURVES = "temperatures", *FACTORS, "elongations"
+HEAT_FACTORS = "conductivity_factors", "heat_capacity_factors"
+CURVES = "temperatures", *FACTORS, "elongations", *HEAT_FACTORS
 FLOOR = 0.01  # the least modulus that the solver takes, of the one at room temperature
 
 
@@ -45,10 +46,12 @@ class MaterialsTest(unittest.TestCase):
                 for key in FACTORS:
                     self.assertEqual((material[key][0], material[key][-1]), (1, FLOOR))
                     self.assertEqual((min(material[key]), max(material[key])), (FLOOR, 1))
+                for key in HEAT_FACTORS:
+                    self.assertTrue(all(0.5 < factor < 3.5 for factor in material[key]), key)
                 self.assertTrue(temperatures[0] < material["cut_off"] < material["solidification"])
                 self.assertTrue(0 < material["hardening"] < material["young"] / 50)
-                for key in (*FACTORS, "elongations", "Hardening", "cut_off"):
-                    self.assertIn(f"{key}: ", material["source"].replace("young_factors, ", "young_factors: "))
+                for key in (*CURVES[1:], "Hardening", "cut_off"):
+                    self.assertRegex(material["source"], rf"\b{key}(, \w+)?: ")
 
     def test_mean_expansion_is_that_of_a_metal(self):
         """Strain per kelvin up to the last temperature: least for titanium, most for aluminium."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The picture of docs/materials.md is the one that figures/material_curves.py draws of the material files."""
+"""The pictures of docs/materials.md are those that figures/material_curves.py draws of the material files."""
 
 import subprocess
 import sys
@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 
 PROJECT = Path(__file__).resolve().parents[3]
 SCRIPT = PROJECT / "benchmarks/evidence/figures/material_curves.py"
-PICTURE = PROJECT / "docs/material_curves.svg"
+PICTURES = [PROJECT / "docs" / name for name in ("material_curves.svg", "material_heat_curves.svg")]
 SVG = "{http://www.w3.org/2000/svg}"
 
 
@@ -19,16 +19,19 @@ class MaterialCurvesTest(unittest.TestCase):
         root = ElementTree.parse(path).getroot()
         return [shape.get("d") for shape in root.iter(SVG + "path")], [text.text for text in root.iter(SVG + "text")]
 
-    def test_the_picture_is_that_of_the_files(self):
+    def test_the_pictures_are_those_of_the_files(self):
         with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "curves.svg"
-            subprocess.run([sys.executable, SCRIPT, "--picture", path], check=True, stdout=subprocess.DEVNULL)
-            self.assertEqual(self.shapes_and_texts(path), self.shapes_and_texts(PICTURE))
+            drawn = [Path(folder) / path.name for path in PICTURES]
+            subprocess.run([sys.executable, SCRIPT, "--picture", drawn[0], "--heat", drawn[1]], check=True,
+                           stdout=subprocess.DEVNULL)
+            for path, picture in zip(drawn, PICTURES, strict=True):
+                self.assertEqual(self.shapes_and_texts(path), self.shapes_and_texts(picture))
 
     def test_each_file_has_a_panel(self):
-        texts = self.shapes_and_texts(PICTURE)[1]
-        for path in (PROJECT / "configs/materials").glob("*.json"):
-            self.assertIn(path.stem, texts)
+        for picture in PICTURES:
+            texts = self.shapes_and_texts(picture)[1]
+            for path in (PROJECT / "configs/materials").glob("*.json"):
+                self.assertIn(path.stem, texts)
 
 
 if __name__ == "__main__":
