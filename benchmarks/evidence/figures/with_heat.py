@@ -12,7 +12,8 @@ once more on elements of half the size, heat as well as displacement. fabseq sim
 
 - with plastic flow (process.model elastoplastic), the steel's curves and no factor; with two values of
   cut_off, and on elements of half the size,
-- with its linear model, a strain that is constant or follows the temperature, and one factor for it.
+- with its linear model and heat properties that are constants, a strain that is constant or follows the
+  temperature, and one factor for it.
 
 A third linear model adds the cooling of what is built (heat_and_plasticity/own_cooling.py). Each factor is
 fitted to the planar case, for each type of brick. Displacements are compared after the release, without rigid
@@ -55,12 +56,14 @@ CASES = {"arm": ("arm", ("planar", "start", "optimized"), {}),
 REFINED_RUNS = {case: dict.fromkeys(sequences, BRICKS[:1])
                 for case, sequences in (("arm", CASES["arm"][1]), ("wall", THREE), ("cross", ("planar", "optimized")))}
 REFINED_RUNS["wall"]["planar"] = BRICKS
+# Of linear models, and of the sequence that is optimized with one.
+CONSTANT = {"thermal.conductivity": 0.0407, "thermal.heat_capacity": 606}
 UPRIGHT, TILTED = [0, 0, 1], [0.2588, 0, 0.9659]   # the second leans by 15 degrees
 
 
 def flow_settings(*cut_off):
     material = {f"material.{key}": value for key, value in steel.flow_material(*cut_off).items()}
-    return {"process.model": "elastoplastic", **material}
+    return {"process.model": "elastoplastic", **dict.fromkeys(CONSTANT, "material"), **material}
 
 
 # Settings of fabseq's models; own cooling is none of fabseq.
@@ -94,7 +97,8 @@ class Study:
     """One part, built in its sequences."""
 
     def __init__(self, arguments, case):
-        name, self.sequences, self.settings = CASES[case]
+        name, self.sequences, settings = CASES[case]
+        self.settings = {**CONSTANT, **settings}
         self.refined_runs = {} if arguments.coarse else REFINED_RUNS.get(case, {})
         self.arguments, self.config = arguments, os.path.join(FOLDER, name + ".json")
         self.output = os.path.join(arguments.output, case)
@@ -171,7 +175,7 @@ class Study:
             moved[REFINED[kind]] = at_coarse_nodes(values, bricks.grid.shape)
         moved[LINEAR[-1]] = own_cooling.displacements(bricks, heat, schedule.ambient)
         fields = {name: without_rigid_motion(values[nodes], points) for name, values in moved.items()}
-        layers = read_json(directories["thermal"], "summary.json")["layers"]
+        layers = read_json(directories[FLOW], "summary.json")["layers"]
         found = {"ccx": interpass(bricks, heat), "fabseq": [layer["interpass_temperature"] for layer in layers[1:]]}
         return {"points": points, **fields}, {"elements": len(bricks.layer), "layers": bricks.layers, "interpass": found}
 

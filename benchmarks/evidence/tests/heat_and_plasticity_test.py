@@ -92,6 +92,10 @@ class HeatAndPlasticityTest(unittest.TestCase):
             self.assertAlmostEqual(material["elongations"][place], steel.elongation(t))
         for t in (50, 800, 950, 1150, 1400):  # no bend of a curve is left out
             self.assertAlmostEqual(np.interp(t, temperatures, material["elongations"]), steel.elongation(t), delta=3e-5)
+        for key, curve in (("conductivity", steel.conductivity), ("heat_capacity", steel.heat_capacity)):
+            for t in (50, 650, 735, 1100, 1500):
+                ours = material[key] * np.interp(t, temperatures, material[key + "_factors"])
+                self.assertAlmostEqual(ours, np.interp(t, steel.HEAT_POINTS, [curve(point) for point in steel.HEAT_POINTS]))
 
     def test_types_of_brick(self):
         """Differ in nothing else but their name."""

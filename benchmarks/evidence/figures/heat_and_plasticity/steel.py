@@ -16,6 +16,8 @@ PEAK = 1000.0                     # J/(kg K), approximate: the standard's peak o
 HARDENING = 100.0                 # MPa at a plastic strain of 1 when cold: small, so that melting has little to undo
 CUT_OFF = 1150.0                  # of fabseq's thermal strain; chosen on arm and wall
 
+HEAT_POINTS = [20, 100, 200, 300, 400, 500, 600, 700, 760, 800, 900, 1200, 1600]   # of both programs
+
 # EN 1993-1-2, table 3.1: temperature, factor of the effective yield strength, factor of the modulus.
 REDUCTION = np.array([[20, 1, 1], [100, 1, 1], [200, 1, 0.9], [300, 1, 0.8], [400, 1, 0.7], [500, 0.78, 0.6],
                       [600, 0.47, 0.31], [700, 0.23, 0.13], [800, 0.11, 0.09], [900, 0.06, 0.0675],
@@ -46,11 +48,10 @@ def heat_capacity(temperature):
 
 def thermal_lines():
     """*CONDUCTIVITY, *SPECIFIC HEAT and *DENSITY of a material for a deck."""
-    temperatures = [20, 100, 200, 300, 400, 500, 600, 700, 760, 800, 900, 1200, 1600]
     yield "*CONDUCTIVITY"
-    yield from (f"{conductivity(t):.6g}, {t}." for t in temperatures)
+    yield from (f"{conductivity(t):.6g}, {t}." for t in HEAT_POINTS)
     yield "*SPECIFIC HEAT"
-    yield from (f"{heat_capacity(t):.6g}, {t}." for t in temperatures)
+    yield from (f"{heat_capacity(t):.6g}, {t}." for t in HEAT_POINTS)
     yield f"*DENSITY\n{DENSITY:g}"
 
 
@@ -63,12 +64,16 @@ def reduction_rows():
 def flow_material(cut_off=CUT_OFF):
     """The keys of fabseq's `material` for the same steel with plastic flow."""
     bends = (750, 860)  # of the elongation
-    temperatures = sorted({*bends, *(float(t) for t, _, _ in reduction_rows())})
+    temperatures = sorted({*bends, *(float(t) for t, _, _ in reduction_rows()), *map(float, HEAT_POINTS)})
     strengths, stiffnesses = (np.interp(temperatures, *zip(*((row[0], row[column]) for row in reduction_rows())))
                               for column in (1, 2))
+    conduction, storage = (np.interp(temperatures, HEAT_POINTS, [of(t) / of(20) for t in HEAT_POINTS])
+                           for of in (conductivity, heat_capacity))
     return {"young": YOUNG, "poisson": POISSON, "yield_stress": YIELD, "hardening": HARDENING, "cut_off": cut_off,
             "temperatures": temperatures, "yield_factors": strengths.tolist(), "young_factors": stiffnesses.tolist(),
-            "elongations": [elongation(t) for t in temperatures]}
+            "elongations": [elongation(t) for t in temperatures], "conductivity": conductivity(20),
+            "heat_capacity": heat_capacity(20), "conductivity_factors": conduction.tolist(),
+            "heat_capacity_factors": storage.tolist()}
 
 
 def mechanical_lines():
