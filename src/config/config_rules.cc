@@ -184,6 +184,7 @@ void check_rules(const Config& config) {
   check_direction("/tool/axis", config.effective.at("tool").at("axis"), config.tool.axis, {"normal"});
   check_torch(config);
   check_strain(config);
+  check_curves(config.material);
   if (config.thermal) check_thermal(*config.thermal, config.material, config.process);
   check_passes(config);
   check_terms(config, config.objective, "objective");

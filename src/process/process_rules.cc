@@ -14,7 +14,8 @@ namespace {
 constexpr const char* model_key = "/process/model";
 constexpr const char* flows = "\"elastoplastic\"";
 
-/// Lists of values by temperature, which are as long as that of the temperatures.
+}  // namespace
+
 void check_curves(const MaterialSettings& material) {
   const std::vector<double>& temperatures = material.temperatures;
   if (std::ranges::adjacent_find(temperatures, std::greater_equal<>()) != temperatures.end())
@@ -32,11 +33,8 @@ void check_curves(const MaterialSettings& material) {
   check("/material/heat_capacity_factors", material.heat_capacity_factors);
 }
 
-}  // namespace
-
 void check_process(const MaterialSettings& material, const ProcessSettings& process, bool has_temperature,
                    int dimension) {
-  check_curves(material);
   if (process.model == ProcessModel::linear) return;
   const std::string with_flow = std::string(" with process.model ") + flows;
   if (dimension != 3)

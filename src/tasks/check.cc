@@ -98,10 +98,10 @@ void print_temperature(const Setup<Dim>& setup) {
   for (const NamedStageCost& stage : stage_costs()) {
     if (stage.stage != "temperature") continue;
     const StageCost cost = stage.of(setup.size, path, setup.groups.count(), setup.lanes);
-    print(formatted("it costs %.0f %s for %.0f nodes and as many adjoint ones: %.3g GB, %.2g s an iteration",
-                    setup.size.temperature_steps,
-                    properties.constant() ? "solves" : "times about three solves", setup.size.solid_nodes,
-                    (cost.held + cost.solving) / 1e9, cost.seconds));
+    print(formatted(
+        "it costs %.0f %s for %.0f nodes and as many adjoint solves: %.3g GB, %.2g s an iteration",
+        setup.size.temperature_steps, properties.constant() ? "solves" : "steps of about three solves each",
+        setup.size.solid_nodes, (cost.held + cost.solving) / 1e9, cost.seconds));
   }
 }
 

@@ -7,16 +7,26 @@
 
 namespace fabseq {
 
+/// The air's temperature is a point of its own: near it the integral is as exact as the excess.
 IntegratedCurve::IntegratedCurve(const std::vector<double>& temperatures, const std::vector<double>& values,
                                  double ambient)
     : values_(values) {
   if (values.empty()) return;
   for (const double temperature : temperatures) excesses_.push_back(temperature - ambient);
   integrals_.assign(values.size(), 0.0);
-  for (std::size_t i = 1; i < values.size(); ++i)
-    integrals_[i] = integrals_[i - 1] + 0.5 * (values[i - 1] + values[i]) * (excesses_[i] - excesses_[i - 1]);
-  const double at_air = integral(0.0);
-  for (double& integral : integrals_) integral -= at_air;
+  const auto next = std::ranges::lower_bound(excesses_, 0.0) - excesses_.begin();
+  if (next == std::ssize(excesses_) || excesses_[next] != 0.0) {
+    const double here = value(0.0);
+    excesses_.insert(excesses_.begin() + next, 0.0);
+    values_.insert(values_.begin() + next, here);
+    integrals_.push_back(0.0);
+  }
+  const auto area = [&](std::size_t i) {
+    return 0.5 * (values_[i - 1] + values_[i]) * (excesses_[i] - excesses_[i - 1]);
+  };
+  const auto air = static_cast<std::size_t>(next);
+  for (std::size_t i = air + 1; i < values_.size(); ++i) integrals_[i] = integrals_[i - 1] + area(i);
+  for (std::size_t i = air; i > 0; --i) integrals_[i - 1] = integrals_[i] - area(i);
 }
 
 /// Finds the line on which a number lies among those of the points.

@@ -6,6 +6,7 @@
 #include "fabseq/base/mpi.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -18,9 +19,9 @@ constexpr double tolerance_of_rounds = 1e-2;
 /// A round that leaves more than this makes the next one linear at the temperatures that it has reached.
 constexpr double slow = 0.1;
 constexpr int most_rounds = 40, most_cuts = 8;
-/// Rounding may leave this much of what is stored: conduction over a long step is the difference of much
-/// more.
-constexpr double of_rounding = 1e-7;
+/// Changes of the potentials that are smaller, relative to the largest, may be rounding: over a long step
+/// what is conducted is a difference of much more than what is stored.
+constexpr double of_rounding = 1e-10;
 /// How much of the imbalance along a change may be left, turned round.
 constexpr double most_beyond = 0.5;
 
@@ -103,11 +104,24 @@ double TemperatureSteps<Dim>::product(std::span<const double> a, std::span<const
 }
 
 template <int Dim>
-double TemperatureSteps<Dim>::size_of(std::span<const double> imbalance) const {
+double TemperatureSteps<Dim>::size_of(std::span<const double> imbalance,
+                                      std::span<const double> diagonal) const {
   double result = 0.0;
   for (const int node : model_.nodes)
-    if (diagonal_[node] > 0.0) result += imbalance[node] * imbalance[node] / diagonal_[node];
+    if (diagonal[node] > 0.0) result += imbalance[node] * imbalance[node] / diagonal[node];
   return std::sqrt(sum(model_.part.grid().comm(), result));
+}
+
+template <int Dim>
+bool TemperatureSteps<Dim>::is_rounding(std::span<const double> change,
+                                        std::span<const double> potential) const {
+  std::array<double, 2> largest{};
+  for (const int node : model_.nodes) {
+    largest[0] = std::max(largest[0], std::abs(change[node]));
+    largest[1] = std::max(largest[1], std::abs(potential[node]));
+  }
+  max_in_place(model_.part.grid().comm(), std::span<double>(largest));
+  return largest[0] <= of_rounding * largest[1];
 }
 
 template <int Dim>
@@ -131,7 +145,7 @@ void TemperatureSteps<Dim>::move(std::span<const double> load, std::span<const d
     if (model_.properties.constant()) return;
     rest = imbalance(load, theta, potential);
     const double beyond = -product(rest, change);
-    if (beyond <= most_beyond * before) return;
+    if (beyond <= most_beyond * before || before <= 0.0) return;
     share *= before / (before + beyond);
   }
 }
@@ -142,9 +156,11 @@ int TemperatureSteps<Dim>::advance(std::span<const double> capacity_before, doub
                                    std::vector<double>& theta, const std::string& what) {
   const ThermalProperties& properties = model_.properties;
   std::vector<double> load(theta.size(), 0.0), potential(theta.size(), 0.0);
-  for (const int node : model_.nodes)
+  for (const int node : model_.nodes) {
     load[node] =
         capacity_before[node] * properties.storage.integral(theta[node]) + share * layer_->heat[node];
+    if (layer_->capacity[node] == 0.0) theta[node] = 0.0;  // outside the region
+  }
   model_.hold(theta);
   for (const int node : model_.nodes) potential[node] = properties.conduction.integral(theta[node]);
   if (!properties.constant()) {
@@ -155,7 +171,8 @@ int TemperatureSteps<Dim>::advance(std::span<const double> capacity_before, doub
   LaneVector rest(model_.owned_nodes(), 1, 1), change(model_.owned_nodes(), 1, 1);
   rest.values = imbalance(load, theta, potential);
   linearize(theta);
-  double left = size_of(rest.values);
+  const std::vector<double> weights = diagonal_;
+  double left = size_of(rest.values, weights);
   const double enough = tolerance_.value * left;
   int iterations = 0;
   for (int round = 0; round < most_rounds; ++round) {
@@ -164,9 +181,8 @@ int TemperatureSteps<Dim>::advance(std::span<const double> capacity_before, doub
     iterations += report.iterations;
     move(load, change.values, rest.values, theta, potential);
     if (properties.constant()) return iterations;
-    const double before = std::exchange(left, size_of(rest.values));
-    const bool stalls = left > 0.5 * before && left <= of_rounding * size_of(load);
-    if (left <= enough || stalls) return iterations;
+    const double before = std::exchange(left, size_of(rest.values, weights));
+    if (left <= enough || is_rounding(change.values, potential)) return iterations;
     if (round == 0 || left > slow * before) linearize(theta);
   }
   throw NumericalError(what + formatted(" did not converge in %d rounds of Newton's method", most_rounds));

@@ -42,8 +42,10 @@ class TemperatureSteps {
   /// What the step's heat, `load`, still has to do, J; 0 at held nodes.
   std::vector<double> imbalance(std::span<const double> load, std::span<const double> theta,
                                 std::span<const double> potential) const;
-  /// Root mean square of an imbalance as temperatures, up to a factor.
-  double size_of(std::span<const double> imbalance) const;
+  /// Root mean square of an imbalance as temperatures, up to a factor. `diagonal`: of an operator.
+  double size_of(std::span<const double> imbalance, std::span<const double> diagonal) const;
+  /// Whether a change is so small that rounding may have made it.
+  bool is_rounding(std::span<const double> change, std::span<const double> potential) const;
   double product(std::span<const double> a, std::span<const double> b) const;
   /// Adds as much of a change to the potentials as brings the step further, and sets what follows from them.
   void move(std::span<const double> load, std::span<const double> change, std::vector<double>& rest,

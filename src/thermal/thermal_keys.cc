@@ -47,9 +47,9 @@ IntegratedCurve curve_of(const MaterialSettings& material, const std::vector<dou
 Section<ThermalSettings> thermal_keys() {
   using Its = ThermalSettings;
   return Section<Its>("thermal", "Heat conduction through the layers")
-      .key("conductivity", &Its::conductivity, "Thermal conductivity",
+      .key("conductivity", &Its::conductivity, "Thermal conductivity at all temperatures",
            {.range = "(0, inf)", .words = "material", .unit = "W/(length*K)"})
-      .key("heat_capacity", &Its::heat_capacity, "Specific heat capacity",
+      .key("heat_capacity", &Its::heat_capacity, "Specific heat capacity at all temperatures",
            {.range = "(0, inf)", .words = "material", .unit = "J/(kg*K)"})
       .key("heat_input", &Its::heat_input, "Arc power times efficiency over deposition rate",
            {.required = true, .range = "[0, inf)", .unit = "J/kg", .option = "-heat_input"})

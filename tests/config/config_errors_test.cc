@@ -127,6 +127,27 @@ TEST(ConfigErrorsTest, PlasticFlow) {
       "/material/young_factors: found 1 numbers; allowed: none, or as many as in /material/temperatures: 2");
 }
 
+/// Curves are checked before heat is conducted by them.
+TEST(ConfigErrorsTest, CurvesOfHeat) {
+  const auto error = [](const Settings& more) {
+    Settings settings = {{"material.mass_density", "7.85"},
+                         {"process.deposition_rate", "1"},
+                         {"thermal", R"({"heat_input": 3e6})"},
+                         {"material.conductivity", "40"},
+                         {"material.heat_capacity", "600"},
+                         {"material.solidification", "1450"},
+                         {"material.conductivity_factors", "[1.3, 1, 0.8]"}};
+    settings.insert(settings.end(), more.begin(), more.end());
+    return error_of(solid, settings);
+  };
+  const std::string found =
+      "/material/conductivity_factors: found 3 numbers; allowed: none, or as many as in "
+      "/material/temperatures: ";
+  EXPECT_EQ(error({}), found + "0");
+  EXPECT_EQ(error({{"material.temperatures", "[20, 400, 800, 900]"}}), found + "4");
+  EXPECT_EQ(error({{"material.temperatures", "[20, 400, 800]"}}), "no error");
+}
+
 TEST(ConfigErrorsTest, OutOfRange) {
   EXPECT_EQ(solid_error("material.poisson", "0.5"),
             "/material/poisson: found 0.5; allowed: a number in (-1, 0.5)");

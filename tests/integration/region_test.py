@@ -23,9 +23,10 @@ def many_layers(config, void="absent"):
 
 
 def with_heat(config):
-    config["material"] = {"mass_density": 7.85}
+    config["material"] = {"mass_density": 7.85, "conductivity": 30, "heat_capacity": 600, "temperatures": [20, 400, 900],
+                          "conductivity_factors": [1.3, 1, 0.7], "heat_capacity_factors": [0.7, 1, 1.5]}
     config["process"].update({"deposition_rate": 2.5, "dwell": 20})
-    config["thermal"] = {"conductivity": 30, "heat_capacity": 600, "heat_input": 2e6, "vanishing": 1400, "reference": 40,
+    config["thermal"] = {"heat_input": 2e6, "vanishing": 1400, "reference": 40,
                          "film_coefficient": 60, "plate": 60, "steps": [2, 1]}
     config["constraints"] = [{"type": "interpass_temperature", "limit": 300}]
     return config

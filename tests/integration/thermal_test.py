@@ -200,7 +200,7 @@ class ThermalTest(FabseqTest):
             self.assertIn(words, run.stdout)
         run = self.run_config(1, bar(2), "-task", "check")
         self.assert_done(run)
-        self.assertIn("it costs 16 times about three solves", run.stdout)
+        self.assertIn("it costs 16 steps of about three solves each", run.stdout)
 
     def test_what_is_missing_is_named(self):
         def message(change):

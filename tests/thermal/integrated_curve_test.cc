@@ -19,7 +19,8 @@ TEST(IntegratedCurveTest, IsLinearBetweenPointsAndConstantBeyond) {
 }
 
 TEST(IntegratedCurveTest, IntegratesFromTheAirsTemperature) {
-  EXPECT_NEAR(curve.integral(0.0), 0.0, 1e-12);
+  EXPECT_EQ(curve.integral(0.0), 0.0);
+  EXPECT_DOUBLE_EQ(curve.integral(1e-20), 1.85e-20);
   EXPECT_DOUBLE_EQ(curve.integral(300.0 - ambient), 0.5 * 180.0 * (1.85 + 0.5));
   EXPECT_DOUBLE_EQ(curve.integral(-220.0), -(0.5 * 20.0 * (1.85 + 2.0) + 200.0 * 2.0));
   EXPECT_NEAR(curve.integral(800.0 - ambient) - curve.integral(700.0 - ambient), 300.0, 1e-12);

@@ -150,12 +150,28 @@ TYPED_TEST(TemperatureSimulationTest, PotentialsOfEqualCurvesAreLinear) {
   EXPECT_GT(max(curved.setup.grid.comm(), hottest), 800.0);
 }
 
+/// Steps of hours, of which rounding leaves more than of short ones, end at the plate's temperature.
+TYPED_TEST(TemperatureSimulationTest, LongPausesEndAtThePlate) {
+  constexpr int Dim = TypeParam::value;
+  HeatedGallows<Dim> gallows(test::operator+(test::operator+(curves, no_losses),
+                                             {{"process.dwell", "1e7"}, {"thermal.steps", "[1, 8]"}}));
+  const LayerTemperatures& result = gallows.temperature.simulation.simulate(gallows.densities);
+  for (int j = 1; j < result.count(); ++j) EXPECT_NEAR(result.interpass[j], 60.0, 1e-6);
+}
+
 /// Nothing but the plate, the air and the heat of the wire makes a temperature.
 TYPED_TEST(TemperatureSimulationTest, StaysAtTheAirsWithoutHeat) {
   constexpr int Dim = TypeParam::value;
-  HeatedGallows<Dim> gallows(Settings{{"thermal.heat_input", "0"}, {"thermal.plate", "15"}});
-  for (const double value : gallows.temperature.simulation.simulate(gallows.densities).interpass)
-    EXPECT_NEAR(value, 15.0, 1e-12);
+  const auto stays = [](const Settings& material, const char* ambient) {
+    HeatedGallows<Dim> gallows(test::operator+(
+        material, {{"thermal.heat_input", "0"}, {"thermal.plate", ambient}, {"thermal.ambient", ambient}}));
+    for (const double value : gallows.temperature.simulation.simulate(gallows.densities).interpass)
+      EXPECT_NEAR(value, std::stod(ambient), 1e-12);
+  };
+  stays({}, "15");
+  // Between and below the points of the curves.
+  stays(curves, "23.7");
+  stays(curves, "-7.3");
 }
 
 TYPED_TEST(TemperatureSimulationTest, BothPathsAgree) {
@@ -175,9 +191,8 @@ TYPED_TEST(TemperatureSimulationTest, BothPathsAgree) {
 TYPED_TEST(TemperatureSimulationTest, DerivativesAgreeWithDifferences) {
   constexpr int Dim = TypeParam::value;
   constexpr int functionals = 3;
-  for (const Settings& settings :
-       {Settings{{"solver.lanes", "2"}},
-        test::operator+(test::on_clamped_substrate<Dim>(), {{"process.dwell", "0"}}), curves}) {
+  for (const Settings& settings : {Settings{{"solver.lanes", "2"}}, test::operator+
+                                   (test::on_clamped_substrate<Dim>(), {{"process.dwell", "0"}})}) {
     HeatedGallows<Dim> gallows(settings);
     const LayerDensities& densities = gallows.densities;
     gallows.temperature.simulation.simulate(densities);

@@ -17,7 +17,7 @@ struct RunSize {
   int cases = 1;                   ///< strains that each layer is solved for
   double solid_nodes = 0.0;        ///< of part and substrate
   double temperature_steps = 0.0;  ///< of heat conduction through all layers; 0 without it
-  bool curved_heat = false;        ///< whether heat is conducted and stored by the temperature
+  bool curved_heat = false;        ///< whether conduction and storage of heat depend on the temperature
   int flow_steps = 0;              ///< of the process where the material flows; 0: it does not
   bool warm = false;               ///< whether solves begin with the last solutions, which are kept
   int functionals = 0;  ///< residuals of least squares, scenarios of the worst: each costs an elastic adjoint
