@@ -86,7 +86,7 @@ def main():
     for case in arguments.names or CASES:
         path = os.path.join(arguments.output, case + ".json")
         if not arguments.table:
-            write_json(path, Study(arguments, case).figures())
+            write_json(path, Study(arguments, case, {} if arguments.coarse else REFINED_RUNS.get(case, {})).figures())
         found[case] = read_json(arguments.output, case + ".json")
     print_tables(found)
     if arguments.picture:
@@ -94,12 +94,12 @@ def main():
 
 
 class Study:
-    """One part, built in its sequences."""
+    """One part, built in its sequences. `refined_runs`: types of brick by sequence, as in REFINED_RUNS."""
 
-    def __init__(self, arguments, case):
+    def __init__(self, arguments, case, refined_runs=()):
         name, self.sequences, settings = CASES[case]
         self.settings = {**CONSTANT, **settings}
-        self.refined_runs = {} if arguments.coarse else REFINED_RUNS.get(case, {})
+        self.refined_runs = dict(refined_runs)
         self.arguments, self.config = arguments, os.path.join(FOLDER, name + ".json")
         self.output = os.path.join(arguments.output, case)
 
