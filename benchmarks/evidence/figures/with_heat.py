@@ -11,7 +11,7 @@ shrinks from the solidus, and of its release, with two types of brick. Sequences
 once more on elements of half the size, heat as well as displacement. fabseq simulates the same layers
 
 - with plastic flow (process.model elastoplastic), the steel's curves and no factor; with two values of
-  cut_off, and on elements of half the size,
+  cut_off, and on elements of half the size, there also with heat properties that are constants,
 - with its linear model and heat properties that are constants, a strain that is constant or follows the
   temperature, and one factor for it.
 
@@ -37,7 +37,7 @@ from fabseq_tools.geometry.rigid_motions import without_rigid_motion
 from fabseq_tools.run.read_run import read_fields, read_json
 from heat_and_plasticity import own_cooling, steel
 from heat_and_plasticity.bricks import Bricks
-from heat_and_plasticity.compared import BRICKS, FINER, FLOW, HOTTER, LINEAR, REFINED, compared
+from heat_and_plasticity.compared import BRICKS, FINE, FINE_CONSTANTS, FINE_HOTTER, FLOW, HOTTER, LINEAR, REFINED, compared
 from heat_and_plasticity.finer import at_coarse_nodes, finer_settings
 from heat_and_plasticity.heat import Schedule, temperatures
 from heat_and_plasticity.mechanics import displacements
@@ -68,6 +68,7 @@ def flow_settings(*cut_off):
 
 # Settings of fabseq's models; own cooling is none of fabseq.
 RUNS = {"thermal": {}, "constant": {"thermal.vanishing": 1e30}, FLOW: flow_settings(), HOTTER: flow_settings(1200.0)}
+FINER_RUNS = {FINE: RUNS[FLOW], FINE_HOTTER: RUNS[HOTTER], FINE_CONSTANTS: RUNS[FLOW] | CONSTANT}
 
 
 def main():
@@ -132,12 +133,12 @@ class Study:
         words = ["-binary", *self.words_of(sequence), *set_words(RUNS[model])]
         return self.run(f"{sequence}_{model.replace(' ', '_')}", "simulate", *words)
 
-    def finer(self, sequence, bricks, model):
+    def finer(self, sequence, bricks, name):
         """A model with plastic flow, the same layers, elements of half the size."""
         settings = finer_settings(bricks, os.path.join(self.output, f"{sequence}_layers.h5"))
         distortion = bricks.config["objective"][:1]  # a file says no gradient of the times, for their uniformity
-        words = set_words({"constraints": [], "objective": distortion, **RUNS[model], **settings})
-        return self.run(f"{sequence}_{FINER[model].replace(' ', '_')}", "simulate", "-binary", *words)
+        words = set_words({"constraints": [], "objective": distortion, **FINER_RUNS[name], **settings})
+        return self.run(f"{sequence}_{name.replace(' ', '_')}", "simulate", "-binary", *words)
 
     def refined(self, sequence, finer):
         """Types of brick and displacements by CalculiX on the finer run's elements, with their own heat."""
@@ -168,10 +169,10 @@ class Study:
         moved = {kind: displacements(bricks, heat, schedule.ambient, folder, kind)[1] for kind in BRICKS}
         for model, directory in directories.items():
             moved[model] = moved_of(directory)
-        finer = {name: self.finer(sequence, bricks, model) for model, name in FINER.items()}
+        finer = {name: self.finer(sequence, bricks, name) for name in FINER_RUNS}
         for name, directory in finer.items():
             moved[name] = at_coarse_nodes(moved_of(directory), bricks.grid.shape)
-        for kind, values in self.refined(sequence, finer[FINER[FLOW]]):
+        for kind, values in self.refined(sequence, finer[FINE]):
             moved[REFINED[kind]] = at_coarse_nodes(values, bricks.grid.shape)
         moved[LINEAR[-1]] = own_cooling.displacements(bricks, heat, schedule.ambient)
         fields = {name: without_rigid_motion(values[nodes], points) for name, values in moved.items()}

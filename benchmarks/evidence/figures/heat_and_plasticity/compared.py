@@ -11,8 +11,9 @@ import numpy as np
 BRICKS = ("C3D8I", "C3D8")                        # of CalculiX; tables judge by the first where they name none
 REFINED = {kind: f"{kind} refined" for kind in BRICKS}   # the same, elements of half the size
 FLOW, HOTTER = "flow", "flow 1200"                # steel.CUT_OFF, and a cut-off of 1200
-FINER = {model: model.replace(FLOW, "flow fine") for model in (FLOW, HOTTER)}   # elements of half the size
-FLOWS = (FLOW, HOTTER, *FINER.values())
+# Elements of half the size, and with them heat properties that are constants.
+FINE, FINE_HOTTER, FINE_CONSTANTS = FINER = ("flow fine", "flow fine 1200", "flow fine constants")
+FLOWS = (FLOW, HOTTER, *FINER)
 LINEAR = ("constant", "thermal", "own cooling")   # the last is own_cooling.py, with the temperatures of CalculiX
 
 
