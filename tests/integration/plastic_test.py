@@ -21,8 +21,10 @@ def flowing(yield_stress, heated=False):
         config["process"].update({"deposition_rate": 2.5, "dwell": 60})
         config["material"].update({"mass_density": 7.85, "temperatures": [20, 600, 1200],
                                    "young_factors": [1, 0.5, 0.05], "yield_factors": [1, 0.4, 0.03],
-                                   "elongations": [0, 0.008, 0.016], "cut_off": 1100})
-        config["thermal"] = {"conductivity": 30, "heat_capacity": 600, "heat_input": 1e6, "vanishing": 1200}
+                                   "elongations": [0, 0.008, 0.016], "cut_off": 1100,
+                                   "conductivity": 30, "conductivity_factors": [1.3, 0.8, 0.7],
+                                   "heat_capacity": 600, "heat_capacity_factors": [0.7, 1.3, 1.1]})
+        config["thermal"] = {"heat_input": 1e6, "vanishing": 1200}
     return config
 
 
@@ -49,9 +51,9 @@ def turned(config):
     result["build_plate"] = "y-"
     result["objective"][1]["axis"] = "y"
     if "material" in result:
-        for key in ("temperatures", "young_factors", "yield_factors", "elongations"):
-            if key in config["material"]:
-                result["material"][key] = config["material"][key]
+        curves = {key for key in config["material"] if key.endswith("_factors")} | {"temperatures", "elongations"}
+        for key in curves & set(config["material"]):
+            result["material"][key] = config["material"][key]
     return result
 
 
@@ -123,7 +125,8 @@ class PlasticTest(FabseqTest):
             with self.subTest(heated=heated):
                 config = flowing(0.002, heated)
                 config["build_plate"] = "z-"
-                self.assert_same(self.values(ranks, turned(config)), self.values(ranks, config), 1e-8)
+                # Sums along other axes round otherwise, which changes the flatness of the heated part by 1e-8 of itself.
+                self.assert_same(self.values(ranks, turned(config)), self.values(ranks, config), 5e-8 if heated else 1e-8)
 
 
 if __name__ == "__main__":
