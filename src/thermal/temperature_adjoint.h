@@ -11,7 +11,7 @@
 namespace fabseq {
 
 /// The adjoints of a simulation's steps, last to first, for several functionals side by side
-/// (docs/developer/derivatives.md 14.3). Collective on the grid's communicator.
+/// (docs/developer/derivatives.md 14). Collective on the grid's communicator.
 template <int Dim>
 class BackwardSteps {
  public:

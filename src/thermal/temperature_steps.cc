@@ -40,7 +40,7 @@ void TemperatureSteps<Dim>::set(const ThermalLayer& layer, double seconds) {
   for (double& value : diffusivity_) value *= seconds * model_.properties.conductivity;
 }
 
-/// Sets the diagonal to C s + dt H / phi' with s = h'/phi'. Coarse grids know what elements store: each
+/// Sets the diagonal to C s + dt H / phi' with s = psi'/phi'. Coarse grids know what elements store: each
 /// stores by the least s of its nodes, and nodes have what is more.
 template <int Dim>
 void TemperatureSteps<Dim>::linearize(std::span<const double> theta) {

@@ -13,8 +13,8 @@ namespace fabseq {
 /// Names a step for messages: "temperature: layer 3, step 2". Both are numbers from 0.
 std::string step_name(int layer, std::size_t step);
 
-/// Implicit steps in time and their adjoints: C h(theta') + dt (K phi(theta') + H theta') = C* h(theta) + q
-/// (docs/formulation.md 14.1, 14.3), solved for the potentials phi. Collective on the grid's communicator.
+/// Implicit steps in time and their adjoints: C psi(theta') + dt (K phi(theta') + H theta') = C* psi(theta) +
+/// q (docs/formulation.md 14.1, 14.3), solved for the potentials phi. Collective on the grid's communicator.
 template <int Dim>
 class TemperatureSteps {
  public:

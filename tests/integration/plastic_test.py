@@ -125,7 +125,7 @@ class PlasticTest(FabseqTest):
             with self.subTest(heated=heated):
                 config = flowing(0.002, heated)
                 config["build_plate"] = "z-"
-                # Sums along other axes round otherwise, which changes the flatness of the heated part by 1e-8 of itself.
+                # Sums along other axes round otherwise: 1e-8 of the heated part's flatness.
                 self.assert_same(self.values(ranks, turned(config)), self.values(ranks, config), 5e-8 if heated else 1e-8)
 
 

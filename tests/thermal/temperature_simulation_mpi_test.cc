@@ -102,7 +102,7 @@ template <class T>
 class TemperatureSimulationTest : public testing::Test {};
 TYPED_TEST_SUITE(TemperatureSimulationTest, test::Dimensions);
 
-/// Without losses, what a layer's heat brings is stored: C' h(theta') - C h(theta).
+/// Without losses, what a layer's heat brings is stored: C' psi(theta') - C psi(theta).
 TYPED_TEST(TemperatureSimulationTest, EnergyIsConserved) {
   constexpr int Dim = TypeParam::value;
   for (const Settings& material : {Settings{}, curves}) {
