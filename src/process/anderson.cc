@@ -70,7 +70,7 @@ void Anderson::start(std::span<const float> weights) {
   products_.assign(depth_ * depth_, 0.0);
 }
 
-/// Sets where the newest change is kept: in place of the oldest one if there are as many as the depth says.
+/// Sets where the newest change is kept: over the oldest one, once there are `depth` of them.
 void Anderson::make_room(std::size_t entries) {
   newest_ = count_ < depth_ ? count_++ : (newest_ + 1) % depth_;
   changes_[newest_].step.resize(entries);

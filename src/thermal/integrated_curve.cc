@@ -7,7 +7,7 @@
 
 namespace fabseq {
 
-/// The air's temperature is a point of its own: near it the integral is as exact as the excess.
+/// Adds the air's temperature to the points: integrals near it are sums from 0, and lose no digits.
 IntegratedCurve::IntegratedCurve(const std::vector<double>& temperatures, const std::vector<double>& values,
                                  double ambient)
     : values_(values) {
@@ -29,7 +29,7 @@ IntegratedCurve::IntegratedCurve(const std::vector<double>& temperatures, const 
   for (std::size_t i = air; i > 0; --i) integrals_[i - 1] = integrals_[i] - area(i);
 }
 
-/// Finds the line on which a number lies among those of the points.
+/// Finds the line of the curve by a number: an excess, or an integral, as `of_points` holds.
 IntegratedCurve::Line IntegratedCurve::line_at(double number, const std::vector<double>& of_points) const {
   const auto above = std::ranges::upper_bound(of_points, number);
   const auto next = static_cast<std::size_t>(above - of_points.begin());

@@ -142,7 +142,6 @@ void TemperatureSteps<Dim>::move(std::span<const double> load, std::span<const d
   for (int cut = 0; cut <= most_cuts; ++cut) {
     for (const int node : model_.nodes) potential[node] = from[node] + share * change[node];
     set_theta(potential, theta);
-    if (model_.properties.constant()) return;
     rest = imbalance(load, theta, potential);
     const double beyond = -product(rest, change);
     if (beyond <= most_beyond * before || before <= 0.0) return;
@@ -171,21 +170,31 @@ int TemperatureSteps<Dim>::advance(std::span<const double> capacity_before, doub
   LaneVector rest(model_.owned_nodes(), 1, 1), change(model_.owned_nodes(), 1, 1);
   rest.values = imbalance(load, theta, potential);
   linearize(theta);
+  if (properties.constant()) {
+    const int iterations = solve(rest, change, what);
+    for (const int node : model_.nodes) potential[node] += change.values[node];
+    set_theta(potential, theta);
+    return iterations;
+  }
   const std::vector<double> weights = diagonal_;
   double left = size_of(rest.values, weights);
   const double enough = tolerance_.value * left;
   int iterations = 0;
   for (int round = 0; round < most_rounds; ++round) {
-    const SolveReport report = solver_.solve({&rest, 1}, {&change, 1}).front();
-    require_convergence(report, what);
-    iterations += report.iterations;
+    iterations += solve(rest, change, what);
     move(load, change.values, rest.values, theta, potential);
-    if (properties.constant()) return iterations;
     const double before = std::exchange(left, size_of(rest.values, weights));
     if (left <= enough || is_rounding(change.values, potential)) return iterations;
     if (round == 0 || left > slow * before) linearize(theta);
   }
   throw NumericalError(what + formatted(" did not converge in %d rounds of Newton's method", most_rounds));
+}
+
+template <int Dim>
+int TemperatureSteps<Dim>::solve(const LaneVector& rest, LaneVector& change, const std::string& what) {
+  const SolveReport report = solver_.solve({&rest, 1}, {&change, 1}).front();
+  require_convergence(report, what);
+  return report.iterations;
 }
 
 template <int Dim>

@@ -35,7 +35,7 @@ class TemperatureSteps {
                      std::span<LaneVector> lambdas, const std::string& what);
 
  private:
-  /// Makes the operator that of small changes of the potentials at these temperatures.
+  /// Sets the solver's operator to the step's matrix at these temperatures.
   void linearize(std::span<const double> theta);
   /// What elements store, by the least ratio of storage to conduction at their nodes.
   std::vector<double> reaction_of_elements(std::span<const double> ratio) const;
@@ -47,6 +47,8 @@ class TemperatureSteps {
   /// Whether a change is so small that rounding may have made it.
   bool is_rounding(std::span<const double> change, std::span<const double> potential) const;
   double product(std::span<const double> a, std::span<const double> b) const;
+  /// Solves for the change of the potentials that an imbalance asks for. Returns the iterations.
+  int solve(const LaneVector& rest, LaneVector& change, const std::string& what);
   /// Adds as much of a change to the potentials as brings the step further, and sets what follows from them.
   void move(std::span<const double> load, std::span<const double> change, std::vector<double>& rest,
             std::vector<double>& theta, std::vector<double>& potential) const;

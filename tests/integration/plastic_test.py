@@ -126,7 +126,8 @@ class PlasticTest(FabseqTest):
                 config = flowing(0.002, heated)
                 config["build_plate"] = "z-"
                 # Sums along other axes round otherwise: 1e-8 of the heated part's flatness.
-                self.assert_same(self.values(ranks, turned(config)), self.values(ranks, config), 5e-8 if heated else 1e-8)
+                limit = 5e-8 if heated else 1e-8
+                self.assert_same(self.values(ranks, turned(config)), self.values(ranks, config), limit)
 
 
 if __name__ == "__main__":

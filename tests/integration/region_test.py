@@ -23,7 +23,8 @@ def many_layers(config, void="absent"):
 
 
 def with_heat(config):
-    config["material"] = {"mass_density": 7.85, "conductivity": 30, "heat_capacity": 600, "temperatures": [20, 400, 900],
+    config["material"] = {"mass_density": 7.85, "conductivity": 30, "heat_capacity": 600,
+                          "temperatures": [20, 400, 900],
                           "conductivity_factors": [1.3, 1, 0.7], "heat_capacity_factors": [0.7, 1, 1.5]}
     config["process"].update({"deposition_rate": 2.5, "dwell": 20})
     config["thermal"] = {"heat_input": 2e6, "vanishing": 1400, "reference": 40,

@@ -25,7 +25,8 @@ def interpass(record):
     return [layer["interpass_temperature"] for layer in record["layers"]]
 
 
-BAR_CURVES = {"temperatures": [20, 400, 700, 735, 770, 900], "conductivity_factors": [1.3, 1, 0.75, 0.72, 0.7, 0.67],
+BAR_CURVES = {"temperatures": [20, 400, 700, 735, 770, 900],
+              "conductivity_factors": [1.3, 1, 0.75, 0.72, 0.7, 0.67],
               "heat_capacity_factors": [0.73, 1, 1.66, 3.3, 1.8, 1.07]}
 
 
@@ -35,7 +36,8 @@ def bar(steps):
             "part": {"box": {"min": [0, 0], "max": [4, 16]}}, "build_plate": "y-",
             "material": {"mass_density": 7.85e-6, "conductivity": 0.0407, "heat_capacity": 606, "solidification": 1450,
                          **BAR_CURVES},
-            "process": {"deposition_rate": 0.6, "dwell": 2.0}, "thermal": {"heat_input": 1.2e6, "steps": [steps, steps]},
+            "process": {"deposition_rate": 0.6, "dwell": 2.0},
+            "thermal": {"heat_input": 1.2e6, "steps": [steps, steps]},
             "sequence": {"type": "planar", "direction": [0, 1]}, "layers": {"count": 4},
             "objective": [{"type": "distortion", "measure": "layerwise"}], "solver": {"tolerance": 1e-8}}
 
@@ -62,7 +64,8 @@ def bar_by_scipy():
         volume[[0, top]] /= 2
         power[top - 2:] = shares * 1.2e6 * mass / welding
         for seconds, source in ((welding, power), (2.0, 0 * power)):
-            solved = solve_ivp(rates, (0, seconds), energy[:top + 1], method="BDF", args=(source, volume), rtol=1e-7, atol=1e-5)
+            solved = solve_ivp(rates, (0, seconds), energy[:top + 1], method="BDF", args=(source, volume),
+                               rtol=1e-7, atol=1e-5)
             energy[:top + 1] = solved.y[:, -1]
         means.append(np.interp(energy[:top + 1] / volume, stored, celsius)[top - 2:] @ shares)
     return means

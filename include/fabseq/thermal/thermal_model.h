@@ -88,7 +88,7 @@ struct ThermalModel {
   std::vector<double> film_of(std::span<const double> standing) const;
   std::vector<double> sum_of(std::span<const double> ghosted) const;
 
-  std::vector<int> held_;  ///< those of `nodes`
+  std::vector<int> held_;  ///< nodes at the plate's temperature, of `nodes`
 };
 
 /// The values of a nodal field at these of its nodes, and back, 0 at others.
